@@ -634,12 +634,21 @@ create table event_numbers (
     constraint event_numbers_key primary key (only_row)
 );
 
+-- The oldest version of the schema that a program may know to work with this one.
+create table schema_reach (
+    only_row bigint not null,
+    oldest bigint not null,
+    constraint schema_reach_key primary key (only_row)
+);
+
 -- The servers that share this database, each by an id that it makes up when it starts.
 create table nodes (
     node text collate "C" not null,
     -- Where the others reach it, and the secret by which it knows their requests.
     address text collate "C" not null,
     secret text collate "C" not null,
+    -- The newest version of the schema that its program knows.
+    schema bigint not null,
     -- By this database's clock, as all times of leases are.
     expires timestamptz not null,
     constraint nodes_key primary key (node)
@@ -658,6 +667,62 @@ create table map_owners (
     constraint map_owners_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
+-- What the newest versions of a map changed, for the servers that follow it: written while one does, and kept for a minute.
+create table map_changes (
+    map_key bigint not null,
+    version bigint not null,
+    -- The form of the changes. A server that does not know it loads the map anew.
+    format text collate "C" not null,
+    changes bytea not null,
+    written timestamptz not null default clock_timestamp(),
+    constraint map_changes_key primary key (map_key, version),
+    constraint map_changes_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+-- How often rows of a map were changed that no version tells: whoever follows it loads it anew.
+create table map_rewrites (
+    map_key bigint not null,
+    rewritten bigint not null,
+    constraint map_rewrites_key primary key (map_key),
+    constraint map_rewrites_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+-- Which servers follow a map that another one owns.
+create table map_followers (
+    map_key bigint not null,
+    node text collate "C" not null,
+    expires timestamptz not null,
+    constraint map_followers_key primary key (map_key, node),
+    constraint map_followers_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+-- Answers of loop queries that a server gave that follows the map, on their way to its owner.
+create table followed_queries (
+    map_key bigint not null,
+    id text collate "C" not null,
+    body bytea not null,
+    constraint followed_queries_key primary key (map_key, id),
+    constraint followed_queries_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+-- What a day's calls of models may cost at most, by who pays: 0 is the server, else a key. Reserved before each call.
+create table model_days (
+    day bigint not null,
+    payer bigint not null,
+    calls bigint not null,
+    cost_microusd bigint not null,
+    constraint model_days_key primary key (day, payer)
+);
+
+-- How many requests a second each server admits of a key whose rate is limited.
+create table key_rates (
+    key bigint not null,
+    node text collate "C" not null,
+    requests bigint not null,
+    expires timestamptz not null,
+    constraint key_rates_key primary key (key, node)
+);
+
 -- Packed lists and images do not get smaller: trying costs more than their transport.
 alter table keyframes
     alter column observes set storage external,
@@ -671,6 +736,7 @@ alter table keyframe_features
 alter table crops alter column bytes set storage external;
 alter table point_blocks alter column points set storage external;
 
+insert into schema_reach (only_row, oldest) values (1, 22);
 insert into map_keys (only_row, last) values (1, 0);
 insert into key_changes (only_row, change) values (1, 0);
 insert into event_numbers (only_row, last) values (1, 0);

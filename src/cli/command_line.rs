@@ -5,7 +5,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use super::failure::Failure;
 #[cfg(feature = "hotel")]
 use super::hotel;
-use super::{backup, check, completions, export, health, keys, openapi, replay, serve, vocabulary};
+use super::{backup, check, completions, copy, export, health, keys, openapi, replay, serve, vocabulary};
 
 /// Revisit: semantic place recognition. "Is this keyframe a loop?"
 ///
@@ -32,6 +32,7 @@ enum Command {
     Keys(keys::KeysArgs),
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
+    Copy(copy::CopyArgs),
     Check(check::CheckArgs),
     Export(export::ExportArgs),
     Health(health::HealthArgs),
@@ -51,6 +52,7 @@ impl Cli {
             Command::Keys(args) => keys::run(args).await,
             Command::Backup(args) => backup::run(args).await,
             Command::Restore(args) => backup::run_restore(args).await,
+            Command::Copy(args) => copy::run(args).await,
             Command::Check(args) => check::run(args).await,
             Command::Export(args) => export::run(args).await,
             Command::Health(args) => health::run(args).await,

@@ -118,6 +118,7 @@ impl From<StoreError> for ServiceError {
             | StoreError::Corrupt(_)
             | StoreError::SqliteTooOld { .. }
             | StoreError::Newer { .. }
+            | StoreError::OldServers { .. }
             | StoreError::InUse(_)
             | StoreError::Exists(_)
             | StoreError::File { .. } => Self::Internal(error.to_string()),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
+use super::cluster::followers::Followers;
 use super::descriptions::judgement_runner::JudgementRunner;
 use super::descriptions::round::Round;
 use super::error::ServiceError;
@@ -19,6 +20,9 @@ use super::options::{ModelChoice, ServiceOptions};
 use super::service::{Parts, Service};
 use crate::llm::Models;
 use crate::store::{Job, Store};
+
+/// Answers of followers that are on their way at once; a connection each.
+const HANDED_ON_AT_ONCE: usize = 4;
 
 impl Service {
     /// Opens the database, and starts background tasks. Maps are loaded on first use.
@@ -54,6 +58,9 @@ impl Service {
             vocabulary,
             backups: None,
             membership: Arc::default(),
+            followers: Arc::new(Followers::new(options.map_memory)),
+            follows: false,
+            handing_on: Arc::new(Semaphore::new(HANDED_ON_AT_ONCE)),
         }));
         service.poll_key_changes();
         service.start_triggers();
@@ -81,6 +88,7 @@ impl Service {
             loop {
                 tokio::time::sleep(POLL_INTERVAL).await;
                 keys.poll_changes().await;
+                keys.share_rates().await;
             }
         }));
     }

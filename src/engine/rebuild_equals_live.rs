@@ -10,7 +10,7 @@ use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;
 use crate::integrity::rebuild::rebuild;
 use crate::recognition::map::index::MapIndex;
-use crate::store::Order;
+use crate::store::{Node, Order};
 use proptest::prelude::*;
 use requests::{Request, any_request};
 use sending::send;
@@ -30,15 +30,29 @@ async fn open(folder: &tempfile::TempDir) -> Service {
     Service::open(ServiceOptions::for_tests(database)).await.unwrap()
 }
 
+/// Has another server follow the map, where several share a database; as its owner, this one knows.
+async fn followed(service: &Service, map: &MapId) -> Option<Service> {
+    let node = service.store.leases()?.node().to_owned();
+    let copies = service.following();
+    service.live(map).await.unwrap();
+    copies.live(map).await.unwrap();
+    service.store.renew(&Node::new(&node, "http://localhost".to_owned())).await.unwrap();
+    Some(copies)
+}
+
 async fn holds_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let (service, map) = service_with_map(&folder).await;
+    let copies = followed(&service, &map).await;
     for request in requests {
         let shown = format!("{request:?}");
         match send(&service, &map, request).await {
             Err(ServiceError::Internal(error)) => panic!("{shown}: {error}"),
             Err(ServiceError::Unavailable { detail, .. }) => panic!("{shown}: {detail}"),
             Ok(()) | Err(_) => {}
+        }
+        if let Some(copies) = &copies {
+            copies.reach(&map, 0).await.unwrap();
         }
     }
     let live = service.live(&map).await.unwrap();
@@ -53,6 +67,11 @@ async fn holds_after(requests: Vec<Request>) {
         // What lists of maps show, without an index.
         assert_eq!(loaded.facts.figures, state.index.figures());
         assert_eq!(loaded.facts.learned, Some(state.index.learned()));
+    }
+    if let Some(copies) = copies {
+        copies.reach(&map, loaded.facts.version).await.unwrap();
+        let copy = copies.live(&map).await.unwrap();
+        pretty(&copy.state().unwrap().index, &loaded.index);
     }
     let listed = service.get_map(&map).await.unwrap();
     assert_eq!((listed.version, &listed.properties), (loaded.facts.version, loaded.index.properties()));

@@ -7,6 +7,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 use super::backups::folder::BackupFolder;
+use super::cluster::followers::Followers;
 use super::cluster::membership::Membership;
 use super::descriptions::rejudging::Rejudging;
 use super::descriptions::worker::Worker;
@@ -65,6 +66,12 @@ pub struct Parts {
     pub(super) backups: Option<Arc<BackupFolder>>,
     /// Set once the server has joined those that share its database.
     pub(super) membership: Arc<OnceLock<Arc<Membership>>>,
+    /// Copies of maps that other servers own.
+    pub(super) followers: Arc<Followers>,
+    /// Whether its maps are those copies: it writes nothing.
+    pub(super) follows: bool,
+    /// Bounds the answers that are on their way to the owners of their maps.
+    pub(super) handing_on: Arc<Semaphore>,
 }
 
 impl Deref for Service {
@@ -125,7 +132,7 @@ impl Service {
     /// Fails for a map that is not in memory where another server should have it.
     fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<(), ServiceError> {
         match self.membership.get() {
-            Some(membership) if !is_in_memory && !membership.should_have(id) => {
+            Some(membership) if !self.follows && !is_in_memory && !membership.should_have(id) => {
                 let detail = "another server should have this map; ask it, or try again".to_owned();
                 Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
             }

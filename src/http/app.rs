@@ -27,6 +27,8 @@ pub struct App(Arc<Parts>);
 pub struct Parts {
     /// The engine.
     pub service: Service,
+    /// The engine, answering from copies of maps that other servers own.
+    pub following: Service,
     /// The metrics.
     pub metrics: Metrics,
     /// The API document as JSON.
@@ -70,6 +72,7 @@ impl App {
     ) -> io::Result<Self> {
         service.pressure().allow(limits.requests());
         Ok(Self(Arc::new(Parts {
+            following: service.following(),
             service,
             permissions: RoutePermissions::of(&serde_json::from_slice(&document)?),
             metrics: Metrics::default(),

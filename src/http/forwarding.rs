@@ -1,10 +1,12 @@
 //! Forwarding: a request about a map that another server has is sent on to that one, and its answer back.
 //!
+//! A client that says which version it has seen may be answered here, by a copy that has that version.
+//!
 //! Bodies are streamed both ways. The key goes with the request, and is checked there once more. A request is sent on once
 //! at most: what comes from another server, which shows this one's secret, is answered here or not at all.
 
 use axum::body::Body;
-use axum::extract::{Request, State};
+use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{CONNECTION, HOST};
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use axum::middleware::Next;
@@ -13,17 +15,19 @@ use futures_util::TryStreamExt as _;
 
 use super::App;
 use super::envelope::{REQUEST_ID, RequestId};
+use super::extract::answering::FromCopy;
+use super::extract::min_version::{MIN_VERSION, take_min_version};
 use super::guards::access::map_of;
 use super::guards::admission::HeldPermit;
+use super::peers::FORWARDED;
 use super::problem::{Kind, Problem};
 use crate::config::tls;
-use crate::engine::Route;
+use crate::domain::ids::MapId;
+use crate::engine::{Route, ServiceError};
 use crate::store::Node;
 
 /// The header with the address of the server that has the map: a client may ask it directly from then on.
 const OWNER: HeaderName = HeaderName::from_static("x-revisit-owner");
-/// The header with the secret of the server that a request was sent on to.
-const FORWARDED: HeaderName = HeaderName::from_static("x-revisit-forwarded");
 
 /// Headers of one connection, which end with it (RFC 9110, section 7.6.1).
 const HOP_BY_HOP: [&str; 8] = [
@@ -37,26 +41,51 @@ const HOP_BY_HOP: [&str; 8] = [
     "upgrade",
 ];
 
-/// Middleware that sends requests about maps of other servers on.
+/// Middleware that sends requests about maps of other servers on, or has a copy answer them, where the client says which
+/// version it has seen.
 pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Response {
-    let Some(address) = app.service.address().map(str::to_owned) else { return next.run(request).await };
     let (mut parts, body) = request.into_parts();
+    let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str).to_owned();
     let Some(map) = map_of(&mut parts).await else {
         return next.run(Request::from_parts(parts, body)).await;
     };
     let forwarded = parts.headers.remove(FORWARDED);
+    let min_version = match take_min_version(&mut parts, &route) {
+        Ok(min_version) => min_version,
+        Err(problem) => return problem.into_response(),
+    };
+    let Some(address) = app.service.address().map(str::to_owned) else {
+        return here(&app, &map, min_version, Request::from_parts(parts, body), next).await;
+    };
     let is_from_peer = forwarded.as_ref().is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
-    let route = if is_from_peer { Ok(Route::Here) } else { app.service.route(&map).await };
-    let request = Request::from_parts(parts, body);
-    match route {
+    let to = if is_from_peer { Ok(Route::Here) } else { app.service.route(&map).await };
+    let mut request = Request::from_parts(parts, body);
+    match to {
         // Meant for a server that was here before, or made up: sent on, it could come back.
         Ok(Route::At(_)) if forwarded.is_some() => {
             Problem::new(Kind::UNAVAILABLE, "another server has this map; try again").into_response()
         }
-        Ok(Route::Here) => with_owner(next.run(request).await, &address),
+        Ok(Route::Here) => with_owner(here(&app, &map, min_version, request, next).await, &address),
         Ok(Route::At(node)) => {
             // Else two servers that are full of each other's requests would wait for each other.
             let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
+            if let Some(version) = min_version {
+                if is_answered_from_copies(&route) {
+                    match held.release_while(app.following.reach(&map, version)).await {
+                        Ok(()) => {
+                            request.extensions_mut().insert(FromCopy);
+                            app.metrics.forwarded("copied");
+                            return with_owner(next.run(request).await, &node.address);
+                        }
+                        Err(error @ ServiceError::PreconditionFailed { .. }) => {
+                            return with_owner(Problem::from(error).into_response(), &node.address);
+                        }
+                        // The owner may still know.
+                        Err(error) => tracing::debug!(%map, %error, "a copy did not answer"),
+                    }
+                }
+                request.headers_mut().insert(MIN_VERSION, version.into());
+            }
             match held.release_while(sent_on(&app, &node, request)).await {
                 Ok(response) => {
                     app.metrics.forwarded("answered");
@@ -70,6 +99,37 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
         }
         Err(error) => Problem::from(error).into_response(),
     }
+}
+
+/// Answers by this server's own map, once that has the version that the client has seen.
+async fn here(app: &App, map: &MapId, min_version: Option<u64>, request: Request, next: Next) -> Response {
+    if let Some(version) = min_version {
+        let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
+        if let Err(error) = held.release_while(app.service.reach(map, version)).await {
+            return Problem::from(error).into_response();
+        }
+    }
+    next.run(request).await
+}
+
+/// Whether a copy of the map may answer a request for a route: the others are the owner's, which keeps what they read.
+fn is_answered_from_copies(route: &str) -> bool {
+    const ROUTES: [&str; 13] = [
+        "",
+        "/keyframes",
+        "/keyframes/{keyframe}",
+        "/keyframes/{keyframe}/covisible",
+        "/keyframes/{keyframe}/local-anchor-map",
+        "/trajectory",
+        "/sessions",
+        "/loops",
+        "/anchors",
+        "/anchors/{anchor}",
+        "/anchors/{anchor}/crop",
+        "/anchors/{anchor}/transcript",
+        "/loop-queries",
+    ];
+    route.strip_prefix("/v1/maps/{map}").is_some_and(|rest| ROUTES.contains(&rest))
 }
 
 fn with_owner(mut response: Response, address: &str) -> Response {

@@ -3,7 +3,12 @@
 use std::sync::OnceLock;
 use std::time::Duration;
 
+use axum::http::HeaderName;
+
 use crate::config::tls;
+
+/// The header with the secret of the server that a request was sent on to.
+pub const FORWARDED: HeaderName = HeaderName::from_static("x-revisit-forwarded");
 
 /// Longest time until a connection to another server is there: they are near.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);

@@ -7,9 +7,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::port::{Fault, Operation};
 use crate::domain::key::KeySeq;
-use crate::store::{Job, Spent, Store, StoreError, UsageRow};
+use crate::store::{DayLimit, Job, Spent, Store, StoreError, UsageRow};
 
 const SECONDS_A_DAY: u64 = 86_400;
+
+/// The number by which the server itself pays; keys begin with 1.
+const SERVER: i64 = 0;
 
 /// Prices. US dollars per million tokens equal millionths of a dollar per token.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,9 +176,45 @@ impl Budget {
             key: payers_key,
             ..Spent::default()
         };
+        if self.store.is_shared() && !self.is_reserved_among_others(day, microusd, payer).await? {
+            self.undo(&Reservation { day, operation, model: model.clone(), microusd, key: payers_key });
+            return Err(Fault::Spent);
+        }
         let written = self.store.committer().commit(Job::Spend(spent)).await;
         written.map_err(|error| Fault::Store(error.to_string()))?;
         Ok(Reservation { day, operation, model: model.clone(), microusd, key: payers_key })
+    }
+
+    /// Reserves a call in the database, whose day other servers spend as well.
+    async fn is_reserved_among_others(
+        &self,
+        day: i64,
+        microusd: i64,
+        payer: Option<&Payer>,
+    ) -> Result<bool, Fault> {
+        let limit =
+            |payer: i64, limits: Limits| DayLimit { payer, calls: limits.calls, microusd: limits.microusd };
+        let mut payers = vec![limit(SERVER, self.limits)];
+        payers.extend(payer.map(|payer| limit(payer.key.0, payer.limits)));
+        let reserved = self.store.reserve_for_day(day, microusd, &payers).await;
+        reserved.map_err(|error| Fault::Store(error.to_string()))
+    }
+
+    /// Takes a reservation back that nothing came of.
+    fn undo(&self, reservation: &Reservation) {
+        let Reservation { day, operation, model, microusd, key } = reservation;
+        let mut books = self.lock();
+        if books.today == *day {
+            books.day.calls -= 1;
+            books.day.microusd -= microusd;
+            if let Some(of_key) = key.and_then(|key| books.day_of_key.get_mut(&key)) {
+                of_key.calls -= 1;
+                of_key.microusd -= microusd;
+            }
+        }
+        let totals = books.ever.entry((operation.as_str().to_owned(), model.to_string())).or_default();
+        totals.calls -= 1;
+        totals.microusd -= microusd;
     }
 
     /// Settles a call by its actual usage. Written asynchronously; until then the spending is overestimated.
@@ -207,6 +246,17 @@ impl Budget {
             ..Spent::default()
         };
         self.store.committer().submit_alone(Job::Spend(spent));
+        if self.store.is_shared() {
+            let store = self.store.clone();
+            // Until it is done, and if it is not, the day's spending is overestimated.
+            tokio::spawn(async move {
+                for payer in [Some(SERVER), key.map(|key| key.0)].into_iter().flatten() {
+                    if let Err(error) = store.give_back_for_day(day, (0, -too_much), payer).await {
+                        tracing::warn!(%error, "a call of a model was not settled");
+                    }
+                }
+            });
+        }
     }
 
     /// Counts a question answered without a call.
@@ -278,4 +328,51 @@ fn totals(row: &UsageRow) -> Totals {
 fn today() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     (since.as_secs() / SECONDS_A_DAY) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::test_database::postgres_in;
+
+    #[tokio::test(flavor = "multi_thread")]
+    #[ignore = "needs REVISIT_TEST_POSTGRES"]
+    async fn servers_that_share_a_database_spend_its_budget_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let database = postgres_in(folder.path()).await;
+        let limits = Limits { microusd: Some(1_000), calls: None };
+        let model: Arc<str> = "model".into();
+        let mut budgets = Vec::new();
+        for _ in 0..2 {
+            let store = Store::open(&database).await.unwrap();
+            budgets.push(Arc::new(Budget::open(store, limits).await.unwrap()));
+        }
+        let asks = (0..40).map(|number| {
+            let (budget, model) = (budgets[number % 2].clone(), model.clone());
+            tokio::spawn(async move { budget.reserve(Operation::Describe, &model, 100, None).await })
+        });
+        let mut reserved = Vec::new();
+        for asked in asks.collect::<Vec<_>>() {
+            match asked.await.unwrap() {
+                Ok(reservation) => reserved.push(reservation),
+                Err(fault) => assert!(matches!(fault, Fault::Spent), "{fault:?}"),
+            }
+        }
+        assert_eq!(reserved.len(), 10);
+        // What was not spent is there again, for either.
+        let last = reserved.pop().unwrap();
+        budgets[0].settle(last, 1, 1, 0);
+        let mut is_there = false;
+        for _ in 0..200 {
+            is_there = budgets[1].reserve(Operation::Describe, &model, 100, None).await.is_ok();
+            if is_there {
+                break;
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+        }
+        assert!(is_there);
+        for budget in budgets {
+            budget.store.close().await;
+        }
+    }
 }

@@ -54,6 +54,17 @@ pub enum StoreError {
         /// The newest version known here.
         known: i64,
     },
+    /// Servers have the database open that could not work with this version's schema.
+    #[error(
+        "this version needs schema {oldest} of every server, and one that has the database open knows {known} at most: upgrade \
+         the servers to the version before this one first, or stop them"
+    )]
+    OldServers {
+        /// What such a server knows.
+        known: i64,
+        /// What it must know.
+        oldest: i64,
+    },
     /// Another process has the database open, and only one may.
     #[error("{0}")]
     InUse(String),

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::commit::job::{CopiedAs, Job, MapKey};
 use super::commit::transaction::Transaction;
-use super::rows::copied_rows::{map_row, read_blocks};
+use super::rows::copied_rows::{Which, map_row, read_blocks};
 use super::rows::map_rows;
 use super::{Store, StoreError};
 use crate::domain::ids::MapId;
@@ -55,7 +55,7 @@ impl Store {
         self.committer.commit(Job::BeginCopy { row: Box::new(row), id: id.clone() }).await?;
         let select = "select map_key from maps where id = $1";
         let key: MapKey = sql::query_scalar(select).bind(&id).fetch_one(&self.readers).await?;
-        let copied = read_blocks(db, map, |block| {
+        let copied = read_blocks(db, map, Which::OfCopy, |block| {
             self.committer.commit(Job::CopyRows { map: key, block: Box::new(block) })
         });
         if let Err(error) = copied.await {

@@ -13,6 +13,7 @@
 //! | what models said, and what it cost | [`rows::model_rows`] |
 //! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
 //! | releases, and copies of maps | [`map_copy`], [`rows::copied_rows`], [`rows::release_rows`], [`rows::map_tables`] |
+//! | a whole database on its way into another one | [`mod@transfer`], [`rows::transferred_rows`] |
 //! | what leaves for good | [`rows::erasure_rows`], [`rows::traces`], [`commit::renewal`] |
 //! | API keys | [`rows::key_rows`] |
 //! | reads of one row | [`rows::read`] |
@@ -43,6 +44,7 @@ mod sql;
 mod store;
 #[cfg(test)]
 pub(crate) mod test_database;
+mod transfer;
 
 pub use address::{is_server_url, without_password};
 pub use commit::commit_queue::{CommitStats, Committer};
@@ -58,8 +60,10 @@ pub use files::schema::newest as newest_schema;
 pub use holdings::Holdings;
 pub use inspection::{Inspected, Inspection, RowFindings};
 pub use map_copy::MapCopy;
+pub use postgres::change_log::News;
 pub use postgres::leases::{Lease, Leases, Taken};
 pub use postgres::nodes::{Node, Owner};
+pub use postgres::shares::{DayLimit, Elsewhere};
 pub use rows::erasure_rows::OpenErasure;
 pub use rows::judgement_rows::Fingerprints;
 pub use rows::key_rows::{KeyTable, standing_keys};
@@ -67,6 +71,7 @@ pub use rows::map_rows::MapRow;
 pub use rows::model_rows::UsageRow;
 pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::release_rows::RELEASE_USES_MAX;
+pub use rows::transferred_rows::HeldMap;
 pub use rows::unpacks::unpacks;
 pub use rows::words_of_map::MapOutline;
 pub use sql::cell::Cell;

@@ -40,6 +40,7 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
         former: FormerValues::default(),
         new_keyframe: None,
         events: Vec::new(),
+        is_followed: false,
     }
 }
 

@@ -27,6 +27,12 @@ pub(crate) async fn address_in(folder: &Path) -> String {
     if std::env::var("REVISIT_TEST_ENGINE").as_deref() != Ok("postgres") {
         return format!("sqlite://{}/test.db", folder.display());
     }
+    postgres_in(folder).await
+}
+
+/// Returns the address of the database that belongs to a folder, of the server that `REVISIT_TEST_POSTGRES` names; it is made if it is
+/// not there.
+pub(crate) async fn postgres_in(folder: &Path) -> String {
     let server = std::env::var("REVISIT_TEST_POSTGRES").expect("REVISIT_TEST_POSTGRES names a server");
     let mut hasher = std::hash::DefaultHasher::new();
     folder.hash(&mut hasher);

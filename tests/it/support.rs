@@ -29,6 +29,7 @@ pub struct Server {
 pub struct Answer {
     pub status: StatusCode,
     pub headers: HeaderMap,
+    pub bytes: bytes::Bytes,
     /// Null where the answer is empty or no JSON.
     pub body: Value,
 }
@@ -241,7 +242,7 @@ impl Answer {
         let response = request.send().await.expect("an answer");
         let (status, headers) = (response.status(), response.headers().clone());
         let bytes = response.bytes().await.expect("a whole answer");
-        Self { status, headers, body: serde_json::from_slice(&bytes).unwrap_or_default() }
+        Self { status, headers, body: serde_json::from_slice(&bytes).unwrap_or_default(), bytes }
     }
 
     /// The answer's body as text, whatever the status.

@@ -36,8 +36,12 @@ impl Service {
                     Err(error) => tracing::warn!(%error, "leases were not renewed"),
                 }
                 service.hand_maps_over(&membership).await;
+                if let Err(error) = service.keep_answers_of_followers().await {
+                    tracing::debug!(%error, "answers of followers were not kept");
+                }
             }
         }));
+        self.keep_up_in_background();
         Ok(())
     }
 

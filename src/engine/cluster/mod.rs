@@ -10,7 +10,10 @@
 //! | its row among them, its leases | [`joining`] |
 //! | where a request is answered | [`routing`] |
 //! | maps that another server should have go there | [`hand_over`] |
+//! | copies of maps that others own | [`followers`], [`following`] |
 
+pub mod followers;
+mod following;
 mod hand_over;
 mod joining;
 pub mod membership;

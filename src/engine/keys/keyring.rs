@@ -39,6 +39,9 @@ const EXPIRY_POLL: Duration = Duration::from_mins(1);
 /// The most keys of one database, revoked ones among them.
 const KEYS_MAX: usize = 10_000;
 
+/// How often a key is made anew whose number another server took.
+const CREATED_AGAIN_MAX: u32 = 8;
+
 /// What secrets begin with, so that scanners for leaked secrets can tell them.
 const SECRET_PREFIX: &str = "revisit_";
 
@@ -195,23 +198,47 @@ impl Keyring {
     pub async fn create(&self, properties: KeyProperties, lockout: Lockout) -> Result<MadeKey, ServiceError> {
         check(&properties)?;
         let _changing = self.changing.lock().await;
-        self.reload().await?;
+        let mut tries = 0;
+        loop {
+            tries += 1;
+            match self.create_next(properties.clone(), lockout).await {
+                // Another server made one of this number meanwhile.
+                Err((error, Some(seq))) if tries < CREATED_AGAIN_MAX => {
+                    self.reload().await?;
+                    if self.properties(seq).is_none() {
+                        return Err(error);
+                    }
+                }
+                made => return made.map_err(|(error, _)| error),
+            }
+        }
+    }
+
+    /// Makes a key with the number that is next; an error names it, if that may be taken.
+    async fn create_next(
+        &self,
+        properties: KeyProperties,
+        lockout: Lockout,
+    ) -> Result<MadeKey, (ServiceError, Option<KeySeq>)> {
+        let refused = |error: ServiceError| (error, None);
+        self.reload().await.map_err(refused)?;
         let keys = self.list();
         let is_first = keys.is_empty();
         if is_first && lockout == Lockout::Refused {
-            check_first_key(&properties)?;
+            check_first_key(&properties).map_err(refused)?;
         }
-        check_reach(&properties)?;
+        check_reach(&properties).map_err(refused)?;
         if keys.len() >= KEYS_MAX {
             let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
-            return Err(ServiceError::Conflict { code: "too_many_keys", detail });
+            return Err(refused(ServiceError::Conflict { code: "too_many_keys", detail }));
         }
         let seq = KeySeq(keys.last().map_or(0, |last| last.seq.0) + 1);
-        let secret = new_secret()?;
+        let secret = new_secret().map_err(refused)?;
         let key = Key { seq, properties, created_sec: now().sec, revoked_sec: None };
         let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
-        self.store.committer().commit(Job::CreateKey(Box::new(row))).await?;
-        self.reload().await?;
+        let created = self.store.committer().commit(Job::CreateKey(Box::new(row))).await;
+        created.map_err(|error| (error.into(), Some(seq)))?;
+        self.reload().await.map_err(refused)?;
         tracing::info!(key = %key.seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
         Ok(MadeKey { key, secret, is_first })
     }
@@ -245,6 +272,26 @@ impl Keyring {
         if let Err(error) = self.look().await {
             // What is in memory stays in force: keys do not stop working because a disk does.
             tracing::warn!(%error, "the keys could not be looked at");
+        }
+    }
+
+    /// Tells the other servers what this one admits of keys whose rate is limited, and leaves them what they admit.
+    pub(in crate::engine) async fn share_rates(&self) {
+        let limited = |held: &Arc<HeldKey>| held.take_admitted().map(|admitted| (held.clone(), admitted));
+        let limited: Vec<(Arc<HeldKey>, u32)> = self.table().by_seq.values().filter_map(limited).collect();
+        if limited.is_empty() || !self.store.is_shared() {
+            return;
+        }
+        let asked = limited.iter().filter(|(_, admitted)| *admitted > 0);
+        let asked: Vec<(i64, u32)> = asked.map(|(held, admitted)| (held.key.seq.0, *admitted)).collect();
+        match self.store.share_rates(&asked).await {
+            Ok(elsewhere) => {
+                for (held, _) in limited {
+                    held.share(elsewhere.get(&held.key.seq.0).copied().unwrap_or_default());
+                }
+            }
+            // Each goes on as it did.
+            Err(error) => tracing::warn!(%error, "the rates of keys could not be shared"),
         }
     }
 
@@ -331,4 +378,58 @@ fn new_secret() -> Result<String, ServiceError> {
 pub(in crate::engine) fn now() -> Stamp {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::key::Actions;
+    use crate::store::test_database::postgres_in;
+
+    #[tokio::test(flavor = "multi_thread")]
+    #[ignore = "needs REVISIT_TEST_POSTGRES"]
+    async fn servers_that_share_a_database_number_keys_once_and_share_their_rates() {
+        let folder = tempfile::tempdir().unwrap();
+        let database = postgres_in(folder.path()).await;
+        let mut keyrings = Vec::new();
+        for _ in 0..2 {
+            let store = Store::open(&database).await.unwrap();
+            keyrings.push(Keyring::open(store, true).await.unwrap());
+        }
+        let properties = KeyProperties {
+            name: "robots".to_owned(),
+            actions: Actions::from_iter([Action::Read]),
+            maps: vec!["*".parse().unwrap()],
+            expires: None,
+            rate_per_s: Some(20),
+            model_daily_calls: None,
+            model_daily_microusd: None,
+        };
+        let making = (0..12).map(|number| {
+            let (keyring, properties) = (keyrings[number % 2].clone(), properties.clone());
+            tokio::spawn(async move { keyring.create(properties, Lockout::Meant).await })
+        });
+        let mut made = Vec::new();
+        for made_by in making.collect::<Vec<_>>() {
+            made.push(made_by.await.unwrap().unwrap());
+        }
+        let mut numbers: Vec<KeySeq> = made.iter().map(|made| made.key.seq).collect();
+        numbers.sort();
+        assert_eq!(numbers, (1..=12).map(KeySeq).collect::<Vec<_>>());
+
+        let held: Vec<Arc<HeldKey>> =
+            keyrings.iter().map(|keyring| keyring.table().by_seq[&KeySeq(1)].clone()).collect();
+        for of_server in &held {
+            let admitted = (0..30).filter(|_| of_server.count().is_ok()).count();
+            assert!(admitted >= 20, "alone, each admits the rate, not {admitted}");
+        }
+        for keyring in [&keyrings[0], &keyrings[1], &keyrings[0]] {
+            keyring.share_rates().await;
+        }
+        // The second one knows of the first one's 20, and the first one of the second's.
+        assert_eq!(held.iter().map(|of_server| of_server.parts_of_a_request()).collect::<Vec<_>>(), [32, 32]);
+        for keyring in keyrings {
+            keyring.store.close().await;
+        }
+    }
 }

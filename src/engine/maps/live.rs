@@ -10,14 +10,14 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
-use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::feeds::Feed;
 pub(in crate::engine) use super::live_state::State;
-use super::live_state::{free, number};
+use super::live_state::number;
 use super::map_memory::{MapMemory, MemoryShare};
 use super::release_uses::ReleaseUses;
+use super::standing::Standing;
 use crate::domain::event::Event;
 use crate::domain::ids::MapId;
 use crate::domain::key::KeySeq;
@@ -43,22 +43,21 @@ pub(in crate::engine) struct LiveMap {
     pub key: MapKey,
     /// The key that made it, which pays for its models.
     pub owner: Option<KeySeq>,
-    state: RwLock<State>,
-    /// By which this server has it, where others could.
-    lease: Option<Arc<Lease>>,
+    pub(super) state: RwLock<State>,
+    pub standing: Standing,
     /// Held by the one who waits for the lock of `state` to decide a write.
     pub lane: tokio::sync::Mutex<()>,
-    line: PoisonFlag,
+    pub(super) line: PoisonFlag,
     /// Whether the map is deleted. Set under the lock of `state`.
-    gone: AtomicBool,
+    pub(super) gone: AtomicBool,
     /// Lets so many read at once: a map of which a write takes long keeps no more readers from the others.
     pub reads: Arc<ConcurrencyLimit>,
     /// The version of `state`.
-    newest: AtomicU64,
+    pub(super) newest: AtomicU64,
     /// The version at which the kept frames were last found to be those of the map; 0 if they never were. Held while they are
     /// read, computed and kept, so that older ones never replace newer ones.
     pub frames_checked: tokio::sync::Mutex<u64>,
-    on_disk: watch::Sender<u64>,
+    pub(super) on_disk: watch::Sender<u64>,
     feed: Arc<Feed>,
     /// What it takes of the memory for maps.
     pub memory: MemoryShare,
@@ -113,7 +112,7 @@ impl LiveMap {
     pub fn new(
         id: MapId,
         loaded: RebuiltMap,
-        lease: Option<Arc<Lease>>,
+        standing: Standing,
         feed: Arc<Feed>,
         memory: &Arc<MapMemory>,
     ) -> Arc<Self> {
@@ -122,7 +121,7 @@ impl LiveMap {
             id,
             key: facts.key,
             owner: facts.owner,
-            lease,
+            standing,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             gone: AtomicBool::new(false),
@@ -149,21 +148,12 @@ impl LiveMap {
 
     /// Whether a write has failed. Then what is in memory is ahead of the disk, and must be loaded anew. Or another server has it.
     pub fn is_poisoned(&self) -> bool {
-        self.line.load(Ordering::Acquire) || self.lease.as_ref().is_some_and(|lease| lease.is_lost())
+        self.line.load(Ordering::Acquire) || self.lease().is_some_and(Lease::is_lost)
     }
 
     /// Returns the lease by which this server has it, where others could.
     pub fn lease(&self) -> Option<&Lease> {
-        self.lease.as_deref()
-    }
-
-    /// Lets nobody decide or read any more, after all that is decided is on disk. Blocks: not for async threads.
-    pub fn leave_memory(&self, store: &Store, runtime: &Handle) -> Result<(), ServiceError> {
-        let _state = self.state.write().map_err(|_| self.broke())?;
-        self.exists()?;
-        runtime.block_on(store.committer().settled());
-        self.line.store(true, Ordering::Release);
-        Ok(())
+        self.standing.lease()
     }
 
     /// Whether it decides nothing any more, because a write failed or it was deleted.
@@ -186,21 +176,8 @@ impl LiveMap {
         Some((state.version, look(&state)))
     }
 
-    fn exists(&self) -> Result<(), ServiceError> {
+    pub(super) fn exists(&self) -> Result<(), ServiceError> {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
-    }
-
-    /// Changes rows beside the index, after all that is decided is on disk. Nobody decides or reads meanwhile, and the next request
-    /// loads the map anew. Blocks: not for async threads.
-    pub fn change_rows(&self, store: &Store, runtime: &Handle, job: Job) -> Result<(), ServiceError> {
-        let _state = self.state.write().map_err(|_| self.broke())?;
-        self.exists()?;
-        let changed = runtime.block_on(async {
-            store.committer().settled().await;
-            if self.is_poisoned() { Err(StoreError::Superseded) } else { store.committer().commit(job).await }
-        });
-        self.line.store(true, Ordering::Release);
-        Ok(changed?)
     }
 
     /// The line of its jobs.
@@ -208,7 +185,7 @@ impl LiveMap {
         &self.line
     }
 
-    fn broke(&self) -> ServiceError {
+    pub(super) fn broke(&self) -> ServiceError {
         self.line.store(true, Ordering::Release);
         StoreError::Superseded.into()
     }
@@ -259,6 +236,7 @@ impl LiveMap {
             former: decided.former,
             new_keyframe,
             events,
+            is_followed: self.lease().is_some_and(Lease::is_followed),
         };
         let job = Job::Change(Box::new(batch));
         let committed = self.submit(store, job, urgency, version, state.next_event - 1, Some(permit));
@@ -324,7 +302,7 @@ impl LiveMap {
 
     /// Fails if another server may have written to the map since it was read.
     fn is_still_ours(&self) -> Result<(), ServiceError> {
-        match &self.lease {
+        match self.lease() {
             Some(lease) if !lease.is_valid() => Err(StoreError::Fenced.into()),
             _ => Ok(()),
         }
@@ -386,31 +364,6 @@ impl LiveMap {
     fn lock_kept(&self) -> std::sync::MutexGuard<'_, HashMap<String, Bytes>> {
         // A map of answers is whole after each of its operations.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Nobody reads or writes the map from here on; its rows are deleted with those of another one.
-    pub(super) fn end(&self) {
-        self.gone.store(true, Ordering::Release);
-    }
-
-    /// Nobody reads or writes the map from here on; queues its deletion.
-    pub fn delete(
-        self: &Arc<Self>,
-        store: &Store,
-    ) -> Result<oneshot::Receiver<Result<(), StoreError>>, ServiceError> {
-        let mut state = self.state.write().map_err(|_| self.broke())?;
-        self.exists()?;
-        self.gone.store(true, Ordering::Release);
-        free(std::mem::take(&mut state.index));
-        self.memory.set(state.index.memory_bytes());
-        Ok(self.submit(
-            store,
-            Job::DeleteMap(self.key),
-            Urgency::Prompt,
-            state.version,
-            state.next_event,
-            None,
-        ))
     }
 }
 

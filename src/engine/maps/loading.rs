@@ -12,11 +12,12 @@ use tokio::task::spawn_blocking;
 use super::live::LiveMap;
 use super::loads::Used;
 use super::registry::Registry;
+use super::standing::Standing;
 use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
 use crate::integrity::rebuild::rebuild;
-use crate::store::{Lease, Order, Store, Taken};
+use crate::store::{Order, Store, Taken};
 
 /// Maximum loads for one request of a map whose writes keep failing, or that comes and goes.
 const LOADS_MAX: usize = 5;
@@ -70,13 +71,14 @@ impl Registry {
             let loaded = handle.block_on(async {
                 // What a map that is forgotten had queued is settled first: a write under way would be missed.
                 store.committer().settled().await;
-                let lease = taken(&store, &id).await?;
-                Ok::<_, ServiceError>((rebuild(&store, &id, Order::Forwards).await?, lease))
+                let standing =
+                    if registry.follows { followed(&store, &id).await? } else { taken(&store, &id).await? };
+                Ok::<_, ServiceError>((rebuild(&store, &id, Order::Forwards).await?, standing))
             });
-            let (loaded, lease) = loaded?;
+            let (loaded, standing) = loaded?;
             let loaded = loaded.ok_or_else(|| ServiceError::no_map(&id))?;
             let feed = registry.feeds.of(loaded.facts.key, loaded.facts.next_event - 1);
-            let live = LiveMap::new(id, loaded, lease, feed, &registry.memory);
+            let live = LiveMap::new(id, loaded, standing, feed, &registry.memory);
             registry.loaded(&live, started);
             registry.make_room(0);
             Ok(live)
@@ -94,14 +96,21 @@ impl Registry {
     }
 }
 
+/// Begins to follow a map: what happens from here on is told or makes it load anew.
+async fn followed(store: &Store, id: &MapId) -> Result<Standing, ServiceError> {
+    let map = store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))?;
+    store.follow(&[map]).await?;
+    Ok(Standing::Follower { rewrites: store.rewrites(map).await? })
+}
+
 /// Takes a map for this server, where others could have it.
-async fn taken(store: &Store, id: &MapId) -> Result<Option<Arc<Lease>>, ServiceError> {
+async fn taken(store: &Store, id: &MapId) -> Result<Standing, ServiceError> {
     match store.take(id).await? {
-        None => Ok(None),
+        None => Ok(Standing::Alone),
         Some(Taken::Here(lease)) => {
             // What its former owner left to be done behind.
             store.committer().look_for_work();
-            Ok(Some(lease))
+            Ok(Standing::Owner(lease))
         }
         Some(Taken::NoMap) => Err(ServiceError::no_map(id)),
         Some(Taken::Elsewhere) => Err(ServiceError::Unavailable {

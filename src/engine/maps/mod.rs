@@ -3,6 +3,8 @@
 mod eviction;
 pub(super) mod features;
 pub(super) mod feeds;
+mod following;
+mod leaving;
 pub(super) mod live;
 mod live_state;
 mod loading;
@@ -11,5 +13,6 @@ pub(super) mod map_memory;
 pub(super) mod pinned;
 pub(super) mod registry;
 mod release_uses;
+mod standing;
 mod use_counting;
 pub(super) mod write_path;

@@ -31,6 +31,8 @@ pub(in crate::engine) struct Registry {
     pub feeds: Arc<Feeds>,
     /// Held while a map is made or deleted, so that a name means one map at a time.
     pub births: Arc<tokio::sync::Mutex<()>>,
+    /// Whether it holds copies of maps that other servers own.
+    pub(super) follows: bool,
 }
 
 impl Registry {
@@ -41,7 +43,13 @@ impl Registry {
             loads: Loads::default(),
             feeds: Arc::default(),
             births: Arc::default(),
+            follows: false,
         }
+    }
+
+    /// Returns a table of copies of maps that other servers own.
+    pub fn of_followed(memory: u64) -> Self {
+        Self { follows: true, ..Self::new(memory) }
     }
 
     /// Returns the cell that the table holds for a map, an empty one if it held none.

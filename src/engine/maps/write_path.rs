@@ -37,6 +37,9 @@ impl Service {
         manner: Manner,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
+        if self.follows {
+            return Err(ServiceError::Internal(format!("{} is a copy, to which nobody writes", live.id)));
+        }
         if live.is_release() && manner != Manner::Erasing {
             return Err(ServiceError::Internal(format!("{} is a release, to which nobody writes", live.id)));
         }

@@ -207,7 +207,7 @@ impl Service {
         timings: &mut Timings,
     ) -> Result<Option<(MapOfQuestion, MapSearch)>, ServiceError> {
         let started = Instant::now();
-        let live = match self.live(id).await {
+        let live = match self.live_or_copy(id).await {
             Err(ServiceError::NotFound(_)) => return Ok(None),
             live => live?,
         };

@@ -78,6 +78,14 @@ pub struct Stats {
     pub leases: u64,
     /// Maps that another server took while this one had them.
     pub leases_lost: u64,
+    /// Copies of maps that other servers own.
+    pub followed_maps: u64,
+    /// Versions that copies took over.
+    pub followed_versions: u64,
+    /// Copies that were loaded anew, as the log did not tell enough.
+    pub followed_loads: u64,
+    /// Seconds since every copy was up to date; 0 without copies.
+    pub follower_lag_s: u64,
     /// What models cost, in millionths of a US dollar.
     pub model_microusd: u64,
 }
@@ -118,6 +126,10 @@ impl Service {
             nodes: self.node_count(),
             leases: self.store.leases().map_or(0, Leases::count),
             leases_lost: self.store.leases().map_or(0, Leases::lost),
+            followed_maps: self.followers.count(),
+            followed_versions: self.followers.taken_over().0,
+            followed_loads: self.followers.taken_over().1,
+            follower_lag_s: self.followers.lag_s(),
             ..Stats::default()
         };
         for line in self.usage().into_iter().flat_map(|usage| usage.lines) {

@@ -21,7 +21,9 @@ impl Service {
         };
         let session = if live.is_release() { self.session_of(&live, &query.subject).await? } else { None };
         let answer = self.answer_and_record(&live, query).await?;
-        if let Some(session) = session {
+        if let Some(session) = session
+            && !self.follows
+        {
             live.count_use(&self.store, session, now());
         }
         Ok(answer)
@@ -52,7 +54,11 @@ impl Service {
         let answer = self.answer(live, query).await?;
         self.verdicts.add(answer.verdict.decision);
         // Written behind, bounded, oldest out first.
-        live.keep_query(&self.store, &answer.id, answer.body.clone());
+        if self.follows {
+            self.hand_answer_on(live, &answer.id, answer.body.clone());
+        } else {
+            live.keep_query(&self.store, &answer.id, answer.body.clone());
+        }
         Ok(answer)
     }
 
@@ -91,7 +97,11 @@ impl Service {
         if let Some(body) = releases.iter().find_map(|live| live.query_under_way(id)) {
             return Ok(body);
         }
-        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
+        let key = self.key_of(map).await?;
+        let found = match self.store.kept_query(key, id).await? {
+            None => self.store.answer_on_its_way(key, id).await?,
+            found => found,
+        };
         found
             .map(Bytes::from)
             .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))

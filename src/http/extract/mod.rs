@@ -1,5 +1,6 @@
 //! Extractors: validated parts of a request.
 
+pub mod answering;
 mod arriving_body;
 pub mod body;
 pub mod body_errors;
@@ -7,6 +8,7 @@ pub mod changes_query;
 pub mod decompression;
 pub mod frames_query;
 pub mod if_match;
+pub mod min_version;
 pub mod path;
 pub mod query;
 pub mod release_query;

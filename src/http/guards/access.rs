@@ -19,6 +19,7 @@ use crate::engine::keys::access::Access;
 use crate::engine::keys::keyring::Found;
 use crate::http::App;
 use crate::http::envelope::no_such_method;
+use crate::http::peers::FORWARDED;
 use crate::http::problem::{Kind, Problem};
 
 /// The reason for a rejection.
@@ -99,7 +100,9 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
         access(app, secret.as_deref(), &working).await.ok_or_else(|| unauthorized(secret.is_some()))?;
     match &access {
         Access::Open => loopback_guard::check(parts)?,
-        Access::Key(held) => held.count().map_err(Problem::too_many_requests)?,
+        // What another server sent on, that one has counted.
+        Access::Key(held) if !is_from_peer(app, parts) => held.count().map_err(Problem::too_many_requests)?,
+        Access::Key(_) => {}
     }
     if let Some(key) = access.key() {
         tracing::Span::current().record("key", key.public());
@@ -113,6 +116,11 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     }
     caller.needs(action)?;
     Ok(Some(caller))
+}
+
+/// Whether another server sent the request on.
+fn is_from_peer(app: &App, parts: &Parts) -> bool {
+    parts.headers.get(FORWARDED).is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()))
 }
 
 /// Returns the access of a secret. An unknown secret waits for a database lookup without holding its permit.

@@ -32,6 +32,16 @@ pub const GAUGES: &[Row] = &[
     ("nodes", "Servers that share the database; 0 where one alone has it", |f| f.stats.nodes),
     ("leases", "Maps that this server owns among others", |f| f.stats.leases),
     ("leases_lost", "Maps that another server took while this one had them", |f| f.stats.leases_lost),
+    ("followed_maps", "Copies of maps that other servers own", |f| f.stats.followed_maps),
+    ("followed_versions", "Versions that copies took over from their owners' log", |f| {
+        f.stats.followed_versions
+    }),
+    ("followed_loads", "Copies that were loaded anew, because the log did not tell enough", |f| {
+        f.stats.followed_loads
+    }),
+    ("follower_lag_seconds", "Time since every copy was last up to date; 0 without copies", |f| {
+        f.stats.follower_lag_s
+    }),
     ("keyframes", "Keyframes of all maps in memory", |f| f.stats.keyframes),
     ("anchors", "Semantic anchors of all maps in memory", |f| f.stats.anchors),
     ("postings", "Postings of the inverted files", |f| f.stats.postings),

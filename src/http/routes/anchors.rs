@@ -14,6 +14,7 @@ use crate::api::transcript::TranscriptList;
 use crate::engine::Service;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfPatch, OfVersionedDelete, OfWrite, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::if_match::{IfMatch, etag};
 use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams, PriorPath};
@@ -28,7 +29,7 @@ use crate::http::problem::Problem;
     responses((status = 200, description = "One page of the list", body = AnchorList, example = examples::anchors), ReadErrors)
 )]
 pub async fn list_anchors(
-    State(service): State<Service>,
+    Answering(service): Answering,
     MapPath(map): MapPath,
     Query(AnchorPage { filter, page }): Query<AnchorPage>,
 ) -> Result<Json<AnchorList>, Problem> {
@@ -48,7 +49,7 @@ pub async fn list_anchors(
     )
 )]
 pub async fn get_anchor(
-    State(service): State<Service>,
+    Answering(service): Answering,
     AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Response, Problem> {
     let (version, report) = service.get_anchor(&map, anchor).await?;
@@ -141,7 +142,7 @@ pub async fn delete_anchor(
     )
 )]
 pub async fn get_crop(
-    State(service): State<Service>,
+    Answering(service): Answering,
     AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Response, Problem> {
     let crop = service.crop(&map, anchor).await?;
@@ -158,7 +159,7 @@ pub async fn get_crop(
     responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), ReadErrors)
 )]
 pub async fn get_transcript(
-    State(service): State<Service>,
+    Answering(service): Answering,
     AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Json<TranscriptList>, Problem> {
     let (version, transcripts) = service.transcripts(&map, anchor.clone()).await?;

@@ -16,6 +16,7 @@ use crate::engine::Service;
 use crate::http::App;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::KeyframeInPath;
 use crate::http::extract::path::{KeyframePath, KeyframePathParams, MapPath, MapPathParams};
 use crate::http::extract::query::{KeyframePage, KeyframeParams, KeyframeSearch, Paging, Query};
@@ -73,7 +74,7 @@ pub async fn put_keyframe(
     )
 )]
 pub async fn list_keyframes(
-    State(service): State<Service>,
+    Answering(service): Answering,
     MapPath(map): MapPath,
     Query(KeyframePage { redundant, page }): Query<KeyframePage>,
 ) -> Result<Json<KeyframeList>, Problem> {
@@ -94,7 +95,7 @@ pub async fn list_keyframes(
     responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), ReadErrors)
 )]
 pub async fn get_keyframe(
-    State(service): State<Service>,
+    Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<KeyframeView>, Problem> {
     let (version, record) = service.get_keyframe(&map, &keyframe).await?;
@@ -130,7 +131,7 @@ pub async fn delete_keyframe(
     )
 )]
 pub async fn list_covisible(
-    State(service): State<Service>,
+    Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<CovisibleList>, Problem> {
     let (version, items) = service.covisible(&map, &keyframe).await?;
@@ -148,7 +149,7 @@ pub async fn list_covisible(
     )
 )]
 pub async fn get_local_anchor_map(
-    State(service): State<Service>,
+    Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<LocalAnchorMap>, Problem> {
     let (map_version, anchors) = service.local_anchor_map(&map, &keyframe).await?;

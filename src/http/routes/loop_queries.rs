@@ -12,6 +12,7 @@ use crate::domain::request::Detail;
 use crate::engine::{Service, Timings};
 use crate::http::answer::json_bytes;
 use crate::http::error_responses::{OfMapQuestion, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::QueryOfMap;
 use crate::http::extract::path::{MapPathParams, QueryPath, QueryPathParams};
 use crate::http::extract::query::{LoopQueryParams, Query};
@@ -38,7 +39,7 @@ pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-tim
     )
 )]
 pub async fn query_loop(
-    State(service): State<Service>,
+    Answering(service): Answering,
     Query(LoopQueryParams { detail }): Query<LoopQueryParams>,
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {

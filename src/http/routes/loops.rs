@@ -14,6 +14,7 @@ use crate::engine::{ConfirmedLoop, Service, ServiceError};
 use crate::geometry::Sim3;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{LoopPath, LoopPathParams, MapPath, MapPathParams};
 use crate::http::extract::query::{Paging, Query};
@@ -54,7 +55,7 @@ pub async fn confirm_loop(
     responses((status = 200, description = "One page of the list", body = LoopList, example = examples::loops), ReadErrors)
 )]
 pub async fn list_loops(
-    State(service): State<Service>,
+    Answering(service): Answering,
     MapPath(map): MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<LoopList>, Problem> {

@@ -12,6 +12,7 @@ use crate::domain::request::{MapPatch, NewMap};
 use crate::engine::{Service, ServiceError};
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfList, OfWrite, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::extract::query::{Paging, Query};
@@ -68,10 +69,7 @@ pub async fn put_map(
     get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The map", body = MapView, example = examples::map), ReadErrors)
 )]
-pub async fn get_map(
-    State(service): State<Service>,
-    MapPath(map): MapPath,
-) -> Result<Json<MapView>, Problem> {
+pub async fn get_map(Answering(service): Answering, MapPath(map): MapPath) -> Result<Json<MapView>, Problem> {
     Ok(Json(service.get_map(&map).await?.into()))
 }
 

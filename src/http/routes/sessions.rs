@@ -9,6 +9,7 @@ use crate::api::list::SessionList;
 use crate::api::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use crate::engine::Service;
 use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
+use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::frames_query::{FramesQuery, FramesSearch};
 use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
@@ -24,7 +25,7 @@ use crate::http::problem::Problem;
     responses((status = 200, description = "One page of the list", body = SessionList, example = examples::sessions), ReadErrors)
 )]
 pub async fn list_sessions(
-    State(service): State<Service>,
+    Answering(service): Answering,
     MapPath(map): MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<SessionList>, Problem> {

@@ -1,6 +1,5 @@
 //! Trajectories: a map's poses in the formats of evo, g2o and gtsam.
 
-use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use tokio::task::spawn_blocking;
@@ -10,6 +9,7 @@ use crate::domain::ids::MapId;
 use crate::domain::trajectory::TrajectoryReport;
 use crate::engine::{Service, ServiceError};
 use crate::http::error_responses::ReadErrors;
+use crate::http::extract::answering::Answering;
 use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::extract::query::Query;
 use crate::http::extract::trajectory_query::{TrajectoryQuery, TrajectorySearch};
@@ -32,7 +32,7 @@ use crate::http::problem::Problem;
     )
 )]
 pub async fn get_trajectory(
-    State(service): State<Service>,
+    Answering(service): Answering,
     MapPath(map): MapPath,
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {

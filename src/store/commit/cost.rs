@@ -18,7 +18,9 @@ impl Job {
         match self {
             Self::Change(batch) | Self::ChangeStaged { batch, .. } => of_batch(batch),
             Self::Stage { part, .. } => STATEMENT_US + of_bytes(part.entries.len()),
-            Self::CopyRows { block, .. } => block.len() as u64 * POINT_ROW_US + of_bytes(block.bytes),
+            Self::CopyRows { block, .. } | Self::AddRows(block) => {
+                block.len() as u64 * POINT_ROW_US + of_bytes(block.bytes)
+            }
             Self::KeepQuery { body, .. } => 2 * STATEMENT_US + of_bytes(body.len()),
             _ => 2 * STATEMENT_US,
         }

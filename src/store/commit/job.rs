@@ -47,6 +47,8 @@ pub struct Batch {
     pub new_keyframe: Option<NewKeyframeRows>,
     /// What happened, numbered.
     pub events: Vec<Event>,
+    /// Whether another server follows the map, and is told the changes.
+    pub is_followed: bool,
 }
 
 /// The parts of a new keyframe that the index does not keep.
@@ -140,6 +142,11 @@ pub enum CopiedAs {
         /// The key that made it.
         owner: Option<KeySeq>,
     },
+    /// The map that it was in another database.
+    Itself {
+        /// Its name.
+        id: MapId,
+    },
 }
 
 /// What the writer is asked to do in one piece.
@@ -181,6 +188,17 @@ pub enum Job {
         /// Its name.
         copied_as: Box<CopiedAs>,
     },
+    /// Rows of a table beside maps, from another database; those that are there stay.
+    AddRows(Box<RowBlock>),
+    /// A map from another database holds a release of another one.
+    AddRelease {
+        /// The map, and the one that holds its release.
+        maps: (MapKey, MapKey),
+        /// What else is to be said of it.
+        row: Box<RowBlock>,
+    },
+    /// Events of new maps are numbered from above this number.
+    RaiseLastEvent(i64),
     /// The record of what models said of a map goes, beside what is in force.
     ForgetDialogues(MapKey),
     /// A step of an erasure of this number in its map.
@@ -268,7 +286,7 @@ impl CopiedAs {
     fn fenced_map(&self) -> Option<MapKey> {
         match self {
             Self::Release { map, .. } => Some(*map),
-            Self::Map { .. } => None,
+            Self::Map { .. } | Self::Itself { .. } => None,
         }
     }
 }
@@ -304,6 +322,9 @@ impl Job {
             | Self::DiscardCopy(_)
             | Self::BeginCopy { .. }
             | Self::CopyRows { .. }
+            | Self::AddRows(_)
+            | Self::AddRelease { .. }
+            | Self::RaiseLastEvent(_)
             | Self::KeepAnswer { .. }
             | Self::ForgetAway
             | Self::Spend(_)

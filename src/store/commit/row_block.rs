@@ -10,11 +10,12 @@ const BLOCK_BYTES: usize = 1 << 20;
 /// Most rows of a block.
 const BLOCK_ROWS: usize = 512;
 
-/// Some rows of one table, without the map's key.
+/// Some rows of one table, without a column that the other place fills in: the map's key, where it has one.
 #[derive(Debug)]
 pub struct RowBlock {
     pub(in crate::store) table: &'static str,
     pub(in crate::store) columns: Vec<String>,
+    filled_in: &'static str,
     pub(in crate::store) rows: Vec<Vec<Cell>>,
     /// Their bytes, about.
     pub bytes: usize,
@@ -22,12 +23,35 @@ pub struct RowBlock {
 
 impl RowBlock {
     pub(in crate::store) fn of(table: &'static str) -> Self {
-        Self { table, columns: Vec::new(), rows: Vec::new(), bytes: 0 }
+        Self::without(table, "")
+    }
+
+    /// Returns no rows yet of a table, without this column.
+    pub(in crate::store) fn without(table: &'static str, filled_in: &'static str) -> Self {
+        Self { table, columns: Vec::new(), filled_in, rows: Vec::new(), bytes: 0 }
+    }
+
+    /// Returns rows of the same columns instead of its own.
+    pub(in crate::store) fn with(&self, rows: Vec<Vec<Cell>>) -> Self {
+        Self { columns: self.columns.clone(), rows, ..*self }
+    }
+
+    /// Takes columns out.
+    pub(in crate::store) fn leave_out(&mut self, columns: &[&str]) {
+        let stays: Vec<bool> =
+            self.columns.iter().map(|column| !columns.contains(&column.as_str())).collect();
+        let mut of_columns = stays.iter();
+        self.columns.retain(|_| of_columns.next() == Some(&true));
+        for row in &mut self.rows {
+            let mut of_row = stays.iter();
+            row.retain(|_| of_row.next() == Some(&true));
+        }
     }
 
     pub(in crate::store) fn add(&mut self, row: &Row) -> Result<(), StoreError> {
         let (columns, cells) = row.cells()?;
-        let of_map = |(column, cell): (String, Cell)| (column != "map_key").then_some((column, cell));
+        let is_other = |column: &str| column == "map_key" || column == self.filled_in;
+        let of_map = |(column, cell): (String, Cell)| (!is_other(&column)).then_some((column, cell));
         let (columns, cells): (Vec<String>, Vec<Cell>) =
             columns.into_iter().zip(cells).filter_map(of_map).unzip();
         self.bytes += cells.iter().map(Cell::bytes).sum::<usize>();

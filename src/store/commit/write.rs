@@ -4,6 +4,7 @@ use super::additions::{Additions, KeptQuery};
 use super::job::{Batch, ErasureStep, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
 use crate::store::StoreError;
+use crate::store::postgres::change_log;
 use crate::store::rows::blob::pack;
 use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
@@ -11,10 +12,10 @@ use crate::store::rows::statement::run;
 use crate::store::rows::{
     changed_sign_rows, copied_rows, erasure_rows, former_value_rows, frame_rows, judgement_rows, key_rows,
     map_rows, model_rows, observation_rows, operation_rows, point_blocks, prior_rows, release_rows,
-    retention_rows, session_merge_rows, traces, twin_rows,
+    retention_rows, session_merge_rows, traces, transferred_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
-use crate::store::sql::{self, Connection};
+use crate::store::sql::{self, Connection, Engine};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
@@ -65,8 +66,14 @@ async fn execute_alone(db: &mut Connection, job: &Job) -> Result<(), StoreError>
         Job::DiscardCopy(copy) => deletion::mark_deleted(db, *copy).await,
         Job::BeginCopy { row, id } => copied_rows::begin(db, row, id).await,
         Job::CopyRows { map, block } => copied_rows::write_block(db, *map, block).await,
+        Job::AddRows(block) => transferred_rows::write_beside_maps(db, block).await,
+        Job::AddRelease { maps, row } => transferred_rows::write_release(db, *maps, row).await,
+        Job::RaiseLastEvent(last) => transferred_rows::raise_last_event(db, *last).await,
         Job::FinishCopy { map, copied_as } => release_rows::finish_copy(db, *map, copied_as).await,
-        Job::ForgetDialogues(map) => retention_rows::forget_dialogues(db, *map).await,
+        Job::ForgetDialogues(map) => {
+            note_rewrite(db, *map).await?;
+            retention_rows::forget_dialogues(db, *map).await
+        }
         Job::Erase(map, number, step) => erase(db, (*map, *number), step).await,
         Job::CountUses { release, uses } => release_rows::count_uses(db, *release, uses).await,
         Job::Stage { map, version, number, part, .. } => {
@@ -96,9 +103,20 @@ async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Re
             erasure_rows::count(db, of, (0, 1)).await?;
             release_rows::count_erasure(db, *release).await
         }
-        ErasureStep::RemoveTraces(map, sessions) => traces::remove(db, *map, sessions).await,
+        ErasureStep::RemoveTraces(map, sessions) => {
+            note_rewrite(db, *map).await?;
+            traces::remove(db, *map, sessions).await
+        }
         ErasureStep::Removed => erasure_rows::removed(db, of).await,
         ErasureStep::Done(at) => erasure_rows::done(db, of, *at).await,
+    }
+}
+
+/// Has other servers that follow a map load it anew.
+async fn note_rewrite(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
+    match db.engine() {
+        Engine::Sqlite => Ok(()),
+        Engine::Postgres => change_log::note_rewrite(db, map).await,
     }
 }
 
@@ -123,6 +141,9 @@ async fn change_map<'j>(
         apply(db, (map, batch.version), change).await?;
     }
     former_value_rows::add(db, batch).await?;
+    if batch.is_followed {
+        change_log::log(db, batch).await?;
+    }
     // After the anchors they name.
     additions.detect(detections(batch)?);
     additions.tell(map, &batch.events);

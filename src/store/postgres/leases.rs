@@ -15,6 +15,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::followers;
+use super::key_list::list;
 use crate::domain::ids::MapId;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
@@ -37,6 +39,7 @@ pub struct Lease {
     /// In microseconds since [`since_start`] began to count.
     valid_until_us: AtomicU64,
     is_lost: AtomicBool,
+    is_followed: AtomicBool,
 }
 
 /// The leases of this server.
@@ -61,6 +64,16 @@ pub enum Taken {
 }
 
 impl Lease {
+    fn of(map: MapKey, epoch: i64) -> Self {
+        Self {
+            map,
+            epoch,
+            valid_until_us: AtomicU64::new(0),
+            is_lost: AtomicBool::new(false),
+            is_followed: AtomicBool::new(false),
+        }
+    }
+
     /// Whether the map may be read from memory. To be asked after it was read.
     pub fn is_valid(&self) -> bool {
         !self.is_lost() && since_start(Instant::now()) < self.valid_until_us.load(Ordering::Acquire)
@@ -69,6 +82,11 @@ impl Lease {
     /// Whether it is another server's by now, or nobody's. What is in memory is to be thrown away.
     pub fn is_lost(&self) -> bool {
         self.is_lost.load(Ordering::Acquire)
+    }
+
+    /// Whether another server follows the map, and needs to know what changes.
+    pub fn is_followed(&self) -> bool {
+        self.is_followed.load(Ordering::Relaxed)
     }
 
     fn extend(&self, asked: Instant) {
@@ -118,10 +136,8 @@ impl Leases {
         match self.take_within(&mut db, id).await {
             Ok(Some(Ok((map, epoch)))) => {
                 db.commit().await?;
-                let lease =
-                    Lease { map, epoch, valid_until_us: AtomicU64::new(0), is_lost: AtomicBool::new(false) };
+                let lease = Arc::new(Lease::of(map, epoch));
                 lease.extend(asked);
-                let lease = Arc::new(lease);
                 if let Some(former) = self.lock().insert(map, lease.clone()) {
                     former.lose();
                 }
@@ -200,6 +216,10 @@ impl Leases {
                 _ => self.lose(&lease),
             }
         }
+        let followed = followers::followed(&self.pool, &keys).await?;
+        for lease in self.lock().values() {
+            lease.is_followed.store(followed.contains(&lease.map), Ordering::Relaxed);
+        }
         Ok(())
     }
 
@@ -277,11 +297,6 @@ impl Leases {
         // A table of leases is whole after each of its operations.
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Returns keys as a parameter that a statement takes apart.
-fn list(maps: &[MapKey]) -> String {
-    serde_json::json!(maps).to_string()
 }
 
 /// Returns a moment in microseconds since this program first asked.

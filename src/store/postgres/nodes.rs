@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::leases::{Lease, Leases, Taken};
 use super::opening::random_name;
+use super::schema;
 use crate::domain::ids::MapId;
 use crate::store::sql;
 use crate::store::{Store, StoreError};
@@ -66,11 +67,11 @@ impl Store {
     /// Says that a server is there, extends its leases, and returns all that are there.
     pub async fn renew(&self, node: &Node) -> Result<Vec<Node>, StoreError> {
         let Some(leases) = &self.leases else { return Ok(Vec::new()) };
-        let upsert = "insert into nodes (node, address, secret, expires)
-            values ($1, $2, $3, clock_timestamp() + make_interval(secs => $4))
+        let upsert = "insert into nodes (node, address, secret, schema, expires)
+            values ($1, $2, $3, $4, clock_timestamp() + make_interval(secs => $5))
             on conflict (node) do update set address = excluded.address, expires = excluded.expires";
         let query = sql::query(upsert).bind(&node.id).bind(&node.address).bind(&node.secret);
-        query.bind(NODE_LASTS.as_secs_f64()).execute(leases.pool()).await?;
+        query.bind(schema::newest()).bind(NODE_LASTS.as_secs_f64()).execute(leases.pool()).await?;
         leases.renew().await?;
         let sweep = "delete from nodes where expires < clock_timestamp() - make_interval(secs => $1)";
         sql::query(sweep).bind(NODE_KEPT.as_secs_f64()).execute(leases.pool()).await?;

@@ -1,33 +1,148 @@
 //! The schema's versions for PostgreSQL. A migration that was ever released is never edited, not even its comments.
 //!
 //! It began when SQLite's schema was at 22: an older database comes over by `revisit copy`, which writes the newest rows.
+//!
+//! Servers of two versions may run side by side while a fleet is upgraded: each version says which older programs can work with it.
 
 use std::borrow::Cow;
+use std::time::Duration;
 
 use sqlx::SqlSafeStr;
-use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::PgPool;
+use tokio::time::sleep;
 
 use crate::store::StoreError;
 
-/// A version, its name, and its statements.
-type Step = (i64, &'static str, &'static str);
+/// A version of the schema.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    version: i64,
+    name: &'static str,
+    statements: &'static str,
+    /// The oldest version that a program may know to work with it.
+    oldest: i64,
+}
 
-const MIGRATIONS: &[Step] = &[(22, "facts", include_str!("../../../migrations/postgres/0022_facts.sql"))];
+const MIGRATIONS: &[Step] = &[Step {
+    version: 22,
+    name: "facts",
+    statements: include_str!("../../../migrations/postgres/0022_facts.sql"),
+    oldest: 22,
+}];
 
-/// Brings the database to this version's schema; each step is one transaction.
+/// How often a migration is tried: servers that start together on an empty database are in each other's way.
+const TRIES: u32 = 10;
+
+/// The time between two tries.
+const TRIED_AGAIN_AFTER: Duration = Duration::from_millis(300);
+
+/// What a database says of its schema.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Found {
+    /// Its version; 0 of an empty database.
+    version: i64,
+    /// The oldest version that a program may know to work with it.
+    oldest: i64,
+    /// The versions that the servers know which are there.
+    known_to_servers: Vec<i64>,
+}
+
+/// Returns the newest version that this program knows.
+pub(super) fn newest() -> i64 {
+    MIGRATIONS.last().map_or(0, |step| step.version)
+}
+
+/// Brings the database to this version's schema; each step is one transaction. A newer one stays as it is, if this program can work with it.
 pub(in crate::store) async fn migrate(pool: &PgPool) -> Result<(), StoreError> {
-    let migration = |(version, name, statements): &Step| {
+    let found = found(pool).await?;
+    let Some(oldest) = to_be_migrated(&found, MIGRATIONS)? else { return Ok(()) };
+    let mut tries = 0;
+    loop {
+        tries += 1;
+        match run(pool).await {
+            Ok(()) => break,
+            Err(MigrateError::Execute(_) | MigrateError::ExecuteMigration(..)) if tries < TRIES => {
+                sleep(TRIED_AGAIN_AFTER).await;
+            }
+            Err(error) => return Err(StoreError::Database(error.to_string())),
+        }
+    }
+    let update = "update schema_reach set oldest = $1 where oldest < $1";
+    sqlx::query(update).bind(oldest).execute(pool).await?;
+    Ok(())
+}
+
+async fn run(pool: &PgPool) -> Result<(), MigrateError> {
+    let migration = |step: &Step| {
         Migration::new(
-            *version,
-            Cow::Borrowed(*name),
+            step.version,
+            Cow::Borrowed(step.name),
             MigrationType::Simple,
-            statements.into_sql_str(),
+            step.statements.into_sql_str(),
             false,
         )
     };
     let mut migrator = Migrator::with_migrations(MIGRATIONS.iter().map(migration).collect());
     // It would lock by a session, which a pooler of connections does not keep; the tables' own locks order the steps.
     migrator.set_locking(false);
-    migrator.run(pool).await.map_err(|error| StoreError::Database(error.to_string()))
+    migrator.run(pool).await
+}
+
+async fn found(pool: &PgPool) -> Result<Found, StoreError> {
+    let is_there =
+        "select to_regclass('_sqlx_migrations') is not null and to_regclass('schema_reach') is not null";
+    if !sqlx::query_scalar::<_, bool>(is_there).fetch_one(pool).await? {
+        return Ok(Found::default());
+    }
+    let version = sqlx::query_scalar("select coalesce(max(version), 0) from _sqlx_migrations where success");
+    let oldest = sqlx::query_scalar("select oldest from schema_reach");
+    let known =
+        sqlx::query_scalar("select schema from nodes where expires > clock_timestamp() order by schema");
+    Ok(Found {
+        version: version.fetch_one(pool).await?,
+        oldest: oldest.fetch_one(pool).await?,
+        known_to_servers: known.fetch_all(pool).await?,
+    })
+}
+
+/// Returns the oldest version that a program may know once the steps are done that are missing; `None` if there is nothing to do.
+fn to_be_migrated(found: &Found, steps: &[Step]) -> Result<Option<i64>, StoreError> {
+    let newest = steps.last().map_or(0, |step| step.version);
+    if found.version > newest && found.oldest > newest {
+        return Err(StoreError::Newer { found: found.version, known: newest });
+    }
+    let missing = steps.iter().filter(|step| step.version > found.version);
+    let Some(oldest) = missing.map(|step| step.oldest).max() else { return Ok(None) };
+    match found.known_to_servers.iter().find(|known| **known < oldest) {
+        Some(known) => Err(StoreError::OldServers { known: *known, oldest }),
+        None => Ok(Some(oldest)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_version_is_reached_only_where_every_server_that_is_there_can_work_with_it() {
+        let step = |version, oldest| Step { version, name: "", statements: "", oldest };
+        // 23 adds a column that 22 does not need; 24 takes one away that 22 reads.
+        let steps = [step(22, 22), step(23, 22), step(24, 23)];
+        let reached = |version, oldest, servers: &[i64], known: usize| {
+            let found = Found { version, oldest, known_to_servers: servers.to_vec() };
+            to_be_migrated(&found, &steps[..known]).map_err(|error| match error {
+                StoreError::Newer { .. } => "newer",
+                StoreError::OldServers { .. } => "old servers",
+                other => panic!("{other}"),
+            })
+        };
+        assert_eq!(reached(0, 0, &[], 3), Ok(Some(23)));
+        assert_eq!(reached(22, 22, &[22, 22], 2), Ok(Some(22)), "side by side");
+        assert_eq!(reached(23, 22, &[22, 23], 2), Ok(None));
+        assert_eq!(reached(23, 22, &[23], 1), Ok(None), "the older program still starts");
+        assert_eq!(reached(23, 22, &[22, 23], 3), Err("old servers"));
+        assert_eq!(reached(23, 22, &[23], 3), Ok(Some(23)));
+        assert_eq!(reached(24, 23, &[24], 1), Err("newer"));
+    }
 }

@@ -3,7 +3,7 @@
 use futures_util::TryStreamExt as _;
 use sqlx::AssertSqlSafe;
 
-use super::bulk_insert::write_rows;
+use super::bulk_insert::{RowValues, write_rows};
 use super::map_tables::{SMALL_TABLES, TABLES, Table};
 use super::statement::run;
 use crate::store::StoreError;
@@ -15,6 +15,15 @@ use crate::store::sql::{self, Connection};
 /// Tables that a copy begins without: what happened to the map and who asked it.
 const NOT_COPIED: [&str; 5] = ["events", "loop_queries", "judgements", "release_uses", "erasures"];
 
+/// The tables of a map that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::store) enum Which {
+    /// Those that a copy of the map has.
+    OfCopy,
+    /// Every one: the map goes into another database.
+    Every,
+}
+
 /// Reads the row of a map, without its key.
 pub(in crate::store) async fn map_row(db: &mut Connection, map: MapKey) -> Result<RowBlock, StoreError> {
     let mut block = RowBlock::of("maps");
@@ -23,14 +32,16 @@ pub(in crate::store) async fn map_row(db: &mut Connection, map: MapKey) -> Resul
     Ok(block)
 }
 
-/// Reads all rows of a map that a copy has, parents before children, and gives them away in blocks.
+/// Reads all rows of a map in some tables, parents before children, and gives them away in blocks.
 pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreError>>>(
     db: &mut Connection,
     map: MapKey,
+    which: Which,
     mut take: impl FnMut(RowBlock) -> F,
 ) -> Result<(), StoreError> {
     let small = SMALL_TABLES.iter().map(|name| (*name, "rowid", ""));
-    let large = TABLES.iter().rev().filter(|table| !NOT_COPIED.contains(&table.name)).map(|table| {
+    let is_read = |table: &&Table| which == Which::Every || !NOT_COPIED.contains(&table.name);
+    let large = TABLES.iter().rev().filter(is_read).map(|table| {
         let Table { name, key, .. } = table;
         (*name, *key, only_committed(name))
     });
@@ -76,8 +87,7 @@ pub(in crate::store) async fn begin(db: &mut Connection, row: &RowBlock, id: &st
         row.columns.iter().zip(cells).map(cell).collect()
     };
     let rows = row.rows.iter().map(of_copy).collect();
-    let block = RowBlock { table: "maps", columns: row.columns.clone(), rows, bytes: row.bytes };
-    write_block(db, key, &block).await
+    write_block(db, key, &row.with(rows)).await
 }
 
 /// Writes rows to a copy.
@@ -90,16 +100,21 @@ pub(in crate::store) async fn write_block(
     write_rows(db, &head, "", &block.rows, |row, cells| {
         row.push_bind(map);
         for cell in cells {
-            match cell {
-                Cell::Null => row.push_null(),
-                Cell::Integer(number) => row.push_bind(*number),
-                Cell::Real(number) => row.push_bind(*number),
-                Cell::Text(text) => row.push_bind(text),
-                Cell::Blob(bytes) => row.push_bind(bytes),
-            };
+            push_cell(row, cell);
         }
     })
     .await
+}
+
+/// Adds a value as it is.
+pub(in crate::store) fn push_cell(row: &mut RowValues, cell: &Cell) {
+    match cell {
+        Cell::Null => row.push_null(),
+        Cell::Integer(number) => row.push_bind(*number),
+        Cell::Real(number) => row.push_bind(*number),
+        Cell::Text(text) => row.push_bind(text),
+        Cell::Blob(bytes) => row.push_bind(bytes),
+    };
 }
 
 /// Deletes the copies that an earlier process did not complete.

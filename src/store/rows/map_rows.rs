@@ -99,6 +99,14 @@ impl Store {
         Ok(sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
     }
 
+    /// Returns the version of a map that is on disk; `None` if there is no such map.
+    pub async fn version(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
+        let select = "select version from maps where id = $1";
+        let found: Option<i64> =
+            sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        Ok(found.map(i64::unsigned_abs))
+    }
+
     /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
     pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
         let select = "select memory_bytes from maps where id = $1";

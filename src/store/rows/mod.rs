@@ -28,6 +28,7 @@ pub(super) mod retention_rows;
 pub(super) mod session_merge_rows;
 pub(super) mod statement;
 pub(super) mod traces;
+pub(super) mod transferred_rows;
 pub(super) mod twin_rows;
 pub(super) mod unpacks;
 pub(super) mod validate;

@@ -34,6 +34,14 @@ pub(in crate::store) async fn finish_copy(
             let query = query.bind(description).bind(published.sec).bind(published.nanosec);
             run(db, query.bind(&digest[..])).await
         }
+        CopiedAs::Itself { id } => {
+            let update = "update maps set deleted = 0, id = $2 where map_key = $1 and deleted = 2";
+            let query = sql::query(update).bind(copy).bind(id.as_str());
+            if query.execute(&mut *db).await? == 0 {
+                return Err(StoreError::corrupt(format!("the copy of map {id} was thrown away")));
+            }
+            Ok(())
+        }
         CopiedAs::Map { id, properties, version, digest, owner } => {
             // As a map that was just made: its events are numbered from above those of every map that was deleted.
             let update = "update maps set deleted = 0, id = $2, version = $3, digest = $4, owner = $5,

@@ -42,6 +42,8 @@ pub(in crate::store) fn staged(job: Job) -> Vec<Job> {
     let mut parts = packed(&batch.changes);
     parts.extend(former_value_rows::packed(&std::mem::take(&mut batch.former)));
     batch.changes.retain(|change| Kind::of(change).is_none());
+    // The log would tell a part of it only.
+    batch.is_followed = false;
     let count = parts.len() as u32;
     let stage = |(number, part)| Job::Stage { map, version, number, part, frees_space };
     let mut jobs: Vec<Job> = (0..).zip(parts).map(stage).collect();

@@ -1,0 +1,157 @@
+//! Following: a server answers questions about a map of another one from a copy, which it keeps up to date.
+//!
+//! A copy is asked only by those who say which version they have seen: it waits until it has that version, or says that it has not
+//! (412). What it answers is what the owner answered at that version, to the byte.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::task::spawn_blocking;
+use tokio::time::{Instant, sleep, timeout_at};
+
+use super::routing::Route;
+use crate::domain::ids::MapId;
+use crate::engine::maps::live::LiveMap;
+use crate::engine::{Service, ServiceError};
+use crate::store::News;
+
+/// The longest wait for a version that is not there yet.
+const WAITS: Duration = Duration::from_secs(2);
+
+/// The time between two looks at what another server wrote, for those who wait for it.
+const LOOKS_EVERY: Duration = Duration::from_millis(20);
+
+/// The time between two looks while nobody waits.
+const KEPT_UP_EVERY: Duration = Duration::from_millis(500);
+
+/// Of the looks while nobody waits, one in so many tells the owners that their maps are followed.
+const TELLS_EVERY: u32 = 6;
+
+impl Service {
+    /// Returns the service that answers from copies of maps that other servers own. Nothing is written by it.
+    pub fn following(&self) -> Self {
+        let mut parts = (*self.0).clone();
+        parts.registry = self.followers.registry.clone();
+        parts.follows = true;
+        Self(Arc::new(parts))
+    }
+
+    /// Waits until a map has this version, for two seconds at most; fails if it has not.
+    pub async fn reach(&self, map: &MapId, version: u64) -> Result<(), ServiceError> {
+        let deadline = Instant::now() + WAITS;
+        loop {
+            let live = self.live(map).await?;
+            if self.follows {
+                self.keep_up(&live).await?;
+            } else {
+                let _ = timeout_at(deadline, live.next_version(version.saturating_sub(1))).await;
+            }
+            let at = live.newest_version();
+            if !live.is_over() && at >= version {
+                return live.on_disk(&self.store, at).await;
+            }
+            if Instant::now() >= deadline {
+                let detail = format!("map {map} is at version {at}, and not at {version} yet; try again");
+                return Err(ServiceError::PreconditionFailed { detail });
+            }
+            sleep(LOOKS_EVERY).await;
+        }
+    }
+
+    /// Returns a map for reading, wherever it is: of another server's, a copy that is as new as what was on disk at the call.
+    pub(in crate::engine) async fn live_or_copy(&self, map: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        if self.follows || self.route(map).await? == Route::Here {
+            return self.live(map).await;
+        }
+        let copies = self.following();
+        let version = self.store.version(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
+        copies.reach(map, version).await?;
+        copies.live(map).await
+    }
+
+    /// Brings a copy up to date; if the log does not tell enough, the next request loads it anew.
+    async fn keep_up(&self, live: &Arc<LiveMap>) -> Result<(), ServiceError> {
+        let Some(rewrites) = live.standing.followed_since() else { return Ok(()) };
+        // One at a time takes over what is new.
+        let _lane = live.lane.lock().await;
+        loop {
+            match self.store.news(live.key, live.newest_version(), rewrites).await? {
+                News::Changes(versions) if versions.is_empty() => return Ok(()),
+                News::Changes(versions) => {
+                    self.followers.count_versions(versions.len());
+                    let copy = live.clone();
+                    spawn_blocking(move || copy.take_over(&versions))
+                        .await
+                        .map_err(ServiceError::panicked)??;
+                }
+                News::Unknown => {
+                    self.followers.count_loaded_anew();
+                    live.throw_away();
+                    self.registry.forget_over(&live.id);
+                    return Ok(());
+                }
+                News::Gone => {
+                    live.throw_away();
+                    self.registry.forget_over(&live.id);
+                    return Ok(());
+                }
+            }
+        }
+    }
+
+    /// Keeps the copies up to date in the background, and says whose maps are followed.
+    pub(super) fn keep_up_in_background(&self) {
+        let (service, closing) = (self.following(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            let mut looks = 0_u32;
+            loop {
+                sleep(KEPT_UP_EVERY).await;
+                let copies = service.followers.in_use();
+                if looks.is_multiple_of(TELLS_EVERY) && !copies.is_empty() {
+                    let keys: Vec<_> = copies.iter().map(|copy| copy.key).collect();
+                    if let Err(error) = service.store.follow(&keys).await {
+                        tracing::warn!(%error, "the owners of maps were not told that this server follows them");
+                    }
+                }
+                looks = looks.wrapping_add(1);
+                let mut are_up_to_date = true;
+                for copy in &copies {
+                    if let Err(error) = service.keep_up(copy).await {
+                        are_up_to_date = false;
+                        tracing::debug!(map = %copy.id, %error, "a copy was not brought up to date");
+                    }
+                }
+                if are_up_to_date {
+                    service.followers.note_up_to_date();
+                }
+            }
+        }));
+    }
+
+    /// Hands the answer of a loop query to the owner of its map, in the background.
+    pub(in crate::engine) fn hand_answer_on(&self, live: &LiveMap, id: &str, body: bytes::Bytes) {
+        // One that cannot be handed on is not kept, as when the disk is full.
+        let Ok(permit) = self.handing_on.clone().try_acquire_owned() else { return };
+        let (store, map, id) = (self.store.clone(), live.key, id.to_owned());
+        tokio::spawn(async move {
+            let _permit = permit;
+            if let Err(error) = store.hand_answer_on(map, &id, &body).await {
+                tracing::debug!(%error, "an answer was not handed on");
+            }
+        });
+    }
+
+    /// Keeps the answers that followers gave of the maps that this server owns.
+    pub(super) async fn keep_answers_of_followers(&self) -> Result<(), ServiceError> {
+        let waiting = self.store.maps_with_answers().await?;
+        if waiting.is_empty() {
+            return Ok(());
+        }
+        for live in self.registry.in_memory(|live| waiting.contains(&live.key) && !live.is_over()) {
+            for (id, body) in self.store.take_answers(live.key).await? {
+                live.keep_query(&self.store, &id, body.into());
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,25 @@
+//! A copy of a map that another server owns takes over what that one wrote.
+
+use std::sync::atomic::Ordering;
+
+use super::live::LiveMap;
+use crate::domain::change::Change;
+use crate::engine::error::ServiceError;
+
+impl LiveMap {
+    /// Takes over the changes of the next versions, in their order. They are on disk. Blocks: not for async threads.
+    pub fn take_over(&self, versions: &[(u64, Vec<Change>)]) -> Result<(), ServiceError> {
+        let mut state = self.state.write().map_err(|_| self.broke())?;
+        self.exists()?;
+        for (version, changes) in versions {
+            state.index.apply(changes);
+            state.version = *version;
+        }
+        let version = state.version;
+        self.memory.set(state.index.memory_bytes());
+        drop(state);
+        self.newest.store(version, Ordering::Release);
+        self.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
+        Ok(())
+    }
+}

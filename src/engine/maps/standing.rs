@@ -1,0 +1,37 @@
+//! Standing: by what right this server has a map in memory.
+
+use std::sync::Arc;
+
+use crate::store::Lease;
+
+/// By what right this server has a map in memory.
+#[derive(Debug)]
+pub(in crate::engine) enum Standing {
+    /// No other server can have it.
+    Alone,
+    /// It owns the map, where others could.
+    Owner(Arc<Lease>),
+    /// Another server may own it. This one reads a copy, and writes nothing.
+    Follower {
+        /// How often the map had been rewritten before it was loaded.
+        rewrites: i64,
+    },
+}
+
+impl Standing {
+    /// Returns the lease of an owner among others.
+    pub fn lease(&self) -> Option<&Lease> {
+        match self {
+            Self::Owner(lease) => Some(lease),
+            Self::Alone | Self::Follower { .. } => None,
+        }
+    }
+
+    /// Returns how often a map that is followed had been rewritten before it was loaded.
+    pub fn followed_since(&self) -> Option<i64> {
+        match self {
+            Self::Follower { rewrites } => Some(*rewrites),
+            Self::Alone | Self::Owner(_) => None,
+        }
+    }
+}

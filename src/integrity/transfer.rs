@@ -1,0 +1,130 @@
+//! Transfer of a whole database into another one, of either engine, verified map by map.
+//!
+//! A map is verified by all of its rows, which must be the same, and by its index, which is built from either database and must be
+//! the same as well. What was transferred before is verified anew, and not copied again.
+
+use std::collections::HashMap;
+
+use thiserror::Error;
+
+use super::rebuild::rebuild;
+use crate::domain::counted::counted;
+use crate::domain::ids::MapId;
+use crate::store::{HeldMap, Order, Store, StoreError};
+
+/// A map that is in both databases.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transferred {
+    /// Its name; of a release, `map/release`.
+    pub id: MapId,
+    /// Its version.
+    pub version: u64,
+    /// Its rows.
+    pub rows: u64,
+    /// Its keyframes.
+    pub keyframes: u64,
+    /// Whether it was there already.
+    pub was_there: bool,
+}
+
+/// Why a transfer ended.
+#[derive(Clone, Debug, Error)]
+pub enum TransferError {
+    /// A database does not do what it is asked.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Servers have a database open.
+    #[error("the {which} is served by {}; stop them first", counted(*count, "server"))]
+    Served {
+        /// How many.
+        count: u64,
+        /// `source` or `target`.
+        which: &'static str,
+    },
+    /// The target holds something that is not the source's.
+    #[error("the target holds {0}, which the source does not: begin with an empty target")]
+    Foreign(String),
+    /// A map is not the same in both.
+    #[error("map {map}: its {what} differ between source and target{hint}")]
+    Differs {
+        /// The map.
+        map: MapId,
+        /// What differs.
+        what: &'static str,
+        /// What to do about it.
+        hint: &'static str,
+    },
+}
+
+/// Transfers everything, and tells of each map when it is verified. Nobody may serve either database.
+pub async fn transfer(
+    from: &Store,
+    to: &Store,
+    mut tell: impl FnMut(&Transferred),
+) -> Result<Vec<Transferred>, TransferError> {
+    for (store, which) in [(from, "source"), (to, "target")] {
+        let count = store.server_count().await?;
+        if count > 0 {
+            return Err(TransferError::Served { count, which });
+        }
+    }
+    to.discard_incomplete().await?;
+    let maps = from.held_maps().await?;
+    let there = only_of(&maps, to.held_maps().await?)?;
+    keys_agree(from, to).await?;
+    let mut transferred = Vec::new();
+    for map in &maps {
+        let was_there = there.contains_key(&map.id);
+        if !was_there {
+            to.take_map_from(from, map).await?;
+        }
+        let verified = verified((from, map), to, was_there).await?;
+        tell(&verified);
+        transferred.push(verified);
+    }
+    to.take_rest_from(from).await?;
+    Ok(transferred)
+}
+
+/// Returns the maps of the target by name. One that the source has not would be another database's.
+fn only_of(maps: &[HeldMap], there: Vec<HeldMap>) -> Result<HashMap<MapId, HeldMap>, TransferError> {
+    for held in &there {
+        if !maps.iter().any(|map| map.id == held.id) {
+            return Err(TransferError::Foreign(format!("map {}", held.id)));
+        }
+    }
+    Ok(there.into_iter().map(|held| (held.id.clone(), held)).collect())
+}
+
+/// Fails if the target has a key that the source has not.
+async fn keys_agree(from: &Store, to: &Store) -> Result<(), TransferError> {
+    let keys = from.held_keys().await?;
+    match to.held_keys().await?.into_iter().find(|key| !keys.contains(key)) {
+        Some((_, name, _)) => Err(TransferError::Foreign(format!("the API key {name}"))),
+        None => Ok(()),
+    }
+}
+
+async fn verified(
+    (from, map): (&Store, &HeldMap),
+    to: &Store,
+    was_there: bool,
+) -> Result<Transferred, TransferError> {
+    let differs = |what| TransferError::Differs {
+        map: map.id.clone(),
+        what,
+        hint: if was_there { "; it was there before: begin with an empty target" } else { "" },
+    };
+    let key = to.map_key(&map.id).await?.ok_or_else(|| differs("rows"))?;
+    let (digest, rows) = from.digest_of_map(map.key).await?;
+    if to.digest_of_map(key).await? != (digest, rows) {
+        return Err(differs("rows"));
+    }
+    let at_first = rebuild(from, &map.id, Order::Forwards).await?.ok_or_else(|| differs("facts"))?;
+    let copied = rebuild(to, &map.id, Order::Backwards).await?.ok_or_else(|| differs("facts"))?;
+    if at_first.index != copied.index || at_first.facts.version != copied.facts.version {
+        return Err(differs("facts"));
+    }
+    let keyframes = at_first.index.keyframe_count() as u64;
+    Ok(Transferred { id: map.id.clone(), version: map.version, rows, keyframes, was_there })
+}

@@ -1,0 +1,113 @@
+//! The change log: what the newest versions of a map changed, for the servers that follow it.
+//!
+//! The owner writes it beside the facts, in the same transaction, while a server follows the map ([`super::followers`]). It is
+//! no fact: a version that is not there, or in a form that is not known, has the follower load the map anew.
+
+use crate::domain::change::Change;
+use crate::store::commit::job::{Batch, MapKey};
+use crate::store::rows::statement::run;
+use crate::store::sql::{self, Connection};
+use crate::store::{Store, StoreError};
+
+/// The form of the changes: that of this version of the program, whose types may differ from another's.
+const FORMAT: &str = concat!(env!("CARGO_PKG_VERSION"), "/1");
+
+/// Changes that take more bytes are not logged: a map of which so much changed is loaded anew.
+const BYTES_MAX: usize = 1 << 20;
+
+/// Versions that are read at once.
+const VERSIONS_AT_ONCE: i64 = 64;
+
+/// The news of a map that another server owns.
+#[derive(Debug, PartialEq)]
+pub enum News {
+    /// The changes of the versions after the one that is known, in their order and without a gap; none if there is none.
+    Changes(Vec<(u64, Vec<Change>)>),
+    /// More changed than the log tells.
+    Unknown,
+    /// The map is deleted.
+    Gone,
+}
+
+/// Logs what a batch changes. Kinds of changes that are rare have no form, and are left out with their version.
+pub(in crate::store) async fn log(db: &mut Connection, batch: &Batch) -> Result<(), StoreError> {
+    let Ok(changes) = postcard::to_stdvec(&batch.changes) else { return Ok(()) };
+    if changes.len() > BYTES_MAX {
+        return Ok(());
+    }
+    let insert = "insert into map_changes (map_key, version, format, changes) values ($1, $2, $3, $4)";
+    let query = sql::query(insert).bind(batch.map).bind(batch.version as i64).bind(FORMAT);
+    run(db, query.bind(changes)).await
+}
+
+/// Notes that rows of a map changed that no version tells.
+pub(in crate::store) async fn note_rewrite(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
+    let upsert = "insert into map_rewrites (map_key, rewritten) values ($1, 1)
+        on conflict (map_key) do update set rewritten = map_rewrites.rewritten + 1";
+    run(db, sql::query(upsert).bind(map)).await
+}
+
+impl Store {
+    /// Returns how often a map was rewritten: to be asked before the map is loaded.
+    pub async fn rewrites(&self, map: MapKey) -> Result<i64, StoreError> {
+        let select = "select rewritten from map_rewrites where map_key = $1";
+        let found = sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
+        Ok(found.unwrap_or(0))
+    }
+
+    /// Returns what happened to a map since this version, and since it was rewritten so often.
+    pub async fn news(&self, map: MapKey, version: u64, rewrites: i64) -> Result<News, StoreError> {
+        let select =
+            "select m.version, coalesce(r.rewritten, 0) from maps m left join map_rewrites r using (map_key)
+            where m.map_key = $1 and m.deleted = 0";
+        let found: Option<(i64, i64)> = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        let Some((newest, rewritten)) = found else { return Ok(News::Gone) };
+        if rewritten != rewrites {
+            return Ok(News::Unknown);
+        }
+        if newest as u64 <= version {
+            return Ok(News::Changes(Vec::new()));
+        }
+        let select = "select version, format, changes from map_changes
+            where map_key = $1 and version > $2 order by version limit $3";
+        let query = sql::query_as(select).bind(map).bind(version as i64).bind(VERSIONS_AT_ONCE);
+        let rows: Vec<(i64, String, Vec<u8>)> = query.fetch_all(&self.readers).await?;
+        Ok(without_gap(version, rows).map_or(News::Unknown, News::Changes))
+    }
+}
+
+/// Returns the changes of the versions that follow each other from the one that is known; `None` if the next one is not there.
+fn without_gap(known: u64, rows: Vec<(i64, String, Vec<u8>)>) -> Option<Vec<(u64, Vec<Change>)>> {
+    let mut changes = Vec::new();
+    for (next, (version, format, bytes)) in (known + 1..).zip(rows) {
+        if version as u64 != next || format != FORMAT {
+            break;
+        }
+        let Ok(of_version) = postcard::from_bytes(&bytes) else { break };
+        changes.push((next, of_version));
+    }
+    (!changes.is_empty()).then_some(changes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::ids::AnchorSeq;
+
+    fn row(version: i64, format: &str) -> (i64, String, Vec<u8>) {
+        let changes = vec![Change::AnchorTouched(AnchorSeq(3), version as u64)];
+        (version, format.to_owned(), postcard::to_stdvec(&changes).expect("it has a form"))
+    }
+
+    #[test]
+    fn what_follows_a_gap_or_has_another_form_is_not_applied() {
+        let versions = |rows| -> Option<Vec<u64>> {
+            Some(without_gap(4, rows)?.into_iter().map(|(version, _)| version).collect())
+        };
+        assert_eq!(versions(vec![row(5, FORMAT), row(6, FORMAT), row(8, FORMAT)]), Some(vec![5, 6]));
+        assert_eq!(versions(vec![row(5, FORMAT), row(6, "another")]), Some(vec![5]));
+        assert_eq!(versions(vec![row(6, FORMAT)]), None);
+        assert_eq!(versions(vec![(5, FORMAT.to_owned(), vec![0xff])]), None);
+        assert_eq!(versions(Vec::new()), None);
+    }
+}

@@ -1,0 +1,77 @@
+//! Followers: servers that keep a copy of a map that another one owns, and what they hand to it.
+
+use std::time::Duration;
+
+use super::key_list::list;
+use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Pool};
+use crate::store::{Store, StoreError};
+
+/// A server counts as a follower so long after it last said so.
+const FOLLOWS: Duration = Duration::from_secs(15);
+
+/// What a version changed is kept so long in the log.
+const LOGGED: Duration = Duration::from_secs(60);
+
+/// Answers of followers that wait for the owner of their map; further ones are not kept.
+const ANSWERS_MAX: i64 = 1_000;
+
+/// Returns which of these maps a server follows, and removes what the log need not tell any more.
+pub(super) async fn followed(pool: &Pool, maps: &[MapKey]) -> Result<Vec<MapKey>, StoreError> {
+    let delete = "delete from map_changes where map_key in (select cast(value as bigint) from json_each($1))
+        and written < clock_timestamp() - make_interval(secs => $2)";
+    sql::query(delete).bind(list(maps)).bind(LOGGED.as_secs_f64()).execute(pool).await?;
+    let select = "select distinct map_key from map_followers
+        where map_key in (select cast(value as bigint) from json_each($1)) and expires > clock_timestamp()";
+    Ok(sql::query_scalar(select).bind(list(maps)).fetch_all(pool).await?)
+}
+
+impl Store {
+    /// Says that this server follows these maps, for a while.
+    pub async fn follow(&self, maps: &[MapKey]) -> Result<(), StoreError> {
+        let Some(leases) = &self.leases else { return Ok(()) };
+        let upsert = "insert into map_followers (map_key, node, expires)
+            select map_key, $1, clock_timestamp() + make_interval(secs => $3) from maps
+            where deleted = 0 and map_key in (select cast(value as bigint) from json_each($2))
+            on conflict (map_key, node) do update set expires = excluded.expires";
+        let query = sql::query(upsert).bind(leases.node()).bind(list(maps)).bind(FOLLOWS.as_secs_f64());
+        query.execute(leases.pool()).await?;
+        let sweep = "delete from map_followers where expires < clock_timestamp()";
+        sql::query(sweep).execute(leases.pool()).await?;
+        Ok(())
+    }
+
+    /// Hands an answer to the owner of a map, which keeps it with its own.
+    pub async fn hand_answer_on(&self, map: MapKey, id: &str, body: &[u8]) -> Result<(), StoreError> {
+        let insert = "insert into followed_queries (map_key, id, body) select map_key, $2, $3 from maps
+            where map_key = $1 and deleted = 0
+            and (select count(*) from followed_queries where map_key = $1) < $4 on conflict do nothing";
+        let query = sql::query(insert).bind(map).bind(id).bind(body).bind(ANSWERS_MAX);
+        query.execute(&self.readers).await?;
+        Ok(())
+    }
+
+    /// Returns the answers that followers gave of a map that this server owns, each with its id. They are its own from here on.
+    pub async fn take_answers(&self, map: MapKey) -> Result<Vec<(String, Vec<u8>)>, StoreError> {
+        let take = "delete from followed_queries where map_key = $1 returning id, body";
+        Ok(sql::query_as(take).bind(map).fetch_all(&self.readers).await?)
+    }
+
+    /// Returns an answer of a follower that is on its way to the owner of the map, or of a release of the map.
+    pub async fn answer_on_its_way(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
+        if self.leases.is_none() {
+            return Ok(None);
+        }
+        let select = "select body from followed_queries where id = $2
+            and map_key in (select $1 union all select release_key from releases where map_key = $1) limit 1";
+        Ok(sql::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
+    }
+
+    /// Returns which maps of these have answers of followers.
+    pub async fn maps_with_answers(&self) -> Result<Vec<MapKey>, StoreError> {
+        let Some(leases) = &self.leases else { return Ok(Vec::new()) };
+        let select = "select distinct map_key from followed_queries
+            where map_key in (select cast(value as bigint) from json_each($1))";
+        Ok(sql::query_scalar(select).bind(list(&leases.maps())).fetch_all(leases.pool()).await?)
+    }
+}
