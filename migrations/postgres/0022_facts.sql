@@ -84,7 +84,9 @@ create table keyframes (
     global_descriptor bytea,
     stored_sec bigint not null default 0,
     constraint keyframes_key primary key (map_key, keyframe),
-    constraint keyframes_id unique (map_key, id),
+    -- In this order: while tables are new, plans are made without statistics, and a check of a foreign key would take this index by
+    -- its prefix, and read the whole map.
+    constraint keyframes_id unique (id, map_key),
     constraint keyframes_session foreign key (map_key, session) references sessions (map_key, session) on delete cascade
 );
 

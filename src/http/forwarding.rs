@@ -8,7 +8,7 @@
 use axum::body::Body;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{CONNECTION, HOST};
-use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use futures_util::TryStreamExt as _;
@@ -88,10 +88,14 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
             }
             match held.release_while(sent_on(&app, &node, request)).await {
                 Ok(response) => {
+                    if response.status() == StatusCode::SERVICE_UNAVAILABLE {
+                        app.service.ask_for_owner_again(&map);
+                    }
                     app.metrics.forwarded("answered");
                     with_owner(response, &node.address)
                 }
                 Err(problem) => {
+                    app.service.ask_for_owner_again(&map);
                     app.metrics.forwarded("failed");
                     problem.into_response()
                 }

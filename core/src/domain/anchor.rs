@@ -1,14 +1,12 @@
 //! The outcome of a detection: an observation of a semantic anchor, or a reason why not.
 
-use serde::{Deserialize, Serialize};
-
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
 use super::judged::CropReading;
 use super::named::named;
 use crate::geometry::Point3;
 
 /// One detection of one keyframe that feeds an anchor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// The keyframe that saw the anchor.
     pub keyframe: KeyframeSeq,
@@ -33,7 +31,7 @@ pub struct Observation {
 }
 
 /// The outcome of a detection on arrival (the `outcome` of `openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// It founded a new anchor.
     Created(AnchorSeq),

@@ -6,10 +6,8 @@
 
 use std::cmp::Ordering;
 
-use serde::{Deserialize, Serialize};
-
 /// A bag-of-words vector, L1-normalised exactly: weights are units of 2^-31 that sum to [`BowVector::ONE`], or there are none.
-#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct BowVector {
     /// Strictly ascending.
     words: Box<[u32]>,

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::anchor::{Observation, Outcome};
 use super::bow::BowVector;
 use super::global_descriptor::GlobalDescriptor;
@@ -19,7 +17,7 @@ pub use super::session_merge::{MergeUndo, SessionMerge};
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Keyframe {
     /// Its dense number.
     pub seq: KeyframeSeq,
@@ -47,7 +45,7 @@ pub struct Keyframe {
 }
 
 /// The reason why two anchors are one.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MergeCause {
     /// They match, their keyframes are covisible, and they stand close (§IV-C.2).
     Covisible,
@@ -57,7 +55,7 @@ pub enum MergeCause {
 
 /// A link between two anchors that are one object. Anchors keep their own observations;
 /// what is one object is the set of anchors joined by links, named by its oldest.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Merge {
     /// The older anchor.
     pub into: AnchorSeq,
@@ -68,7 +66,7 @@ pub struct Merge {
 }
 
 /// A loop that a client closed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
     /// Its name.
     pub id: LoopId,
@@ -88,7 +86,7 @@ pub struct Loop {
 }
 
 /// Two keyframes of one view, by geometry, around which different signs hang (M16).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Twins {
     /// The keyframe that was written last.
     pub keyframe: KeyframeSeq,
@@ -101,7 +99,7 @@ pub struct Twins {
 }
 
 /// A detection that fed one anchor, and is one of another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MovedObservation {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -114,7 +112,7 @@ pub struct MovedObservation {
 }
 
 /// A passage that had a sign in view and did not see it as it is called (M18).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MissedSign {
     /// The sign.
     pub anchor: AnchorSeq,
@@ -146,7 +144,7 @@ impl Loop {
 }
 
 /// Parts of a keyframe that are not kept any longer. What was decided with them stays.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ForgottenParts {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -162,12 +160,9 @@ pub struct ForgottenParts {
 
 /// One fact more, or one fact less. A request's changes are committed together, and applied
 /// to the index in this order.
-///
-/// A list with one of the rare kinds that are skipped cannot be serialised: whoever needs it loads the map anew.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// The map's description, classes or settings are now these.
-    #[serde(skip)]
     MapSet(Box<MapProperties>),
     /// The map's words belong to this vocabulary from now on.
     VocabularySet(Box<str>),
@@ -216,15 +211,12 @@ pub enum Change {
     /// Two anchors that were one object, as a merge of sessions had it, are two again.
     Parted(Merge),
     /// The keyframes of a session are of another one now; the changes that bring them into its frame come with it.
-    #[serde(skip)]
     SessionsMerged(Box<SessionMerge>),
     /// A merge of sessions can be revoked, by this.
-    #[serde(skip)]
     MergeKept(Box<MergeUndo>),
     /// The merge of this session can be revoked no more: something was written on top of it.
     MergeSettled(SessionSeq),
     /// A merge of sessions was revoked; the changes that bring the keyframes back into their frame come with it.
-    #[serde(skip)]
     MergeRevoked(Box<MergeUndo>),
     /// A loop was closed; its two keyframes are covisible from now on.
     LoopAdded(Loop),
@@ -247,7 +239,6 @@ pub enum Change {
     /// A model judged texts of this map.
     Judged(Box<ModelVerdict>),
     /// A job that asks verdicts again has settled some of its questions.
-    #[serde(skip)]
     JudgementAdvanced(Box<JudgementProgress>),
     /// The model that this map waits for is away, or back.
     ModelAway(bool),

@@ -1,7 +1,5 @@
 //! A global descriptor: one vector of a whole image, by a model that the client ran.
 
-use serde::{Deserialize, Serialize};
-
 use super::ids::GlobalModelId;
 use super::named::named;
 
@@ -16,7 +14,7 @@ named! {
 }
 
 /// One vector of a whole image.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GlobalDescriptor {
     /// The model that computed it, named by the client.
     pub model: GlobalModelId,

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::ids::{AnchorSeq, KeyframeSeq};
 
 /// The reading of one detection's crop by a model, or by a reader of characters.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CropReading {
     /// The description; empty if nothing could be made of the crop.
     pub text: Box<str>,
@@ -20,7 +18,7 @@ pub struct CropReading {
 }
 
 /// One question and its answer.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TranscriptStep {
     /// The source of the answer: `model:<name>`, or the reader's name.
     pub speaker: Arc<str>,
@@ -31,7 +29,7 @@ pub struct TranscriptStep {
 }
 
 /// A crop was read: the reading and the dialogue that led to it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CropRead {
     /// The anchor that the detection feeds.
     pub anchor: AnchorSeq,
@@ -61,7 +59,7 @@ pub struct Transcript {
 }
 
 /// A finding of a model.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// SimilarityLevel of two texts, 1 to 5.
     Similarity(u8),
@@ -81,7 +79,7 @@ pub enum Answer {
 }
 
 /// A model's verdict about texts of one class, in normal form.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelVerdict {
     /// The class of the objects that carry the texts.
     pub class: Box<str>,

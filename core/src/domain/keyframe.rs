@@ -1,14 +1,12 @@
 //! What a client sends: a keyframe with its bag of words, its map points and its detections.
 
-use serde::{Deserialize, Serialize};
-
 use super::bow::BowVector;
 use super::global_descriptor::GlobalDescriptor;
 use super::ids::{KeyframeId, PointId, SessionId};
 use crate::geometry::{Gravity, Point3, Pose};
 
 /// A moment on the robot's clock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Stamp {
     /// Whole seconds.
     pub sec: i64,
@@ -20,7 +18,7 @@ pub struct Stamp {
 pub const CLIENTS_VOCABULARY: &str = "client";
 
 /// An undistorted pinhole camera, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Focal length along x, in pixels.
     pub fx: f64,

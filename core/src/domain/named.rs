@@ -35,7 +35,7 @@ macro_rules! named {
         $($(#[doc = $meaning:literal])+ $value:ident = $name:literal,)+
     }) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum $type {
             $($(#[doc = $meaning])+ $value,)+
         }

@@ -2,14 +2,12 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
-
 use super::ids::PointId;
 use super::varint;
 
 /// A list of map points in the order given. Each is kept as its difference from the one before, so that points
 /// numbered one after the other take a byte each instead of eight.
-#[derive(Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct PointList {
     bytes: Box<[u8]>,
     len: u32,

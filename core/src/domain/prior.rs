@@ -3,8 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use super::ids::{AnchorSeq, ID_FORM, IdError, PriorId, SessionId, SessionSeq};
 use crate::geometry::Point3;
 
@@ -39,7 +37,7 @@ impl NewPrior {
 }
 
 /// A prior anchor, as a fact of its map; the class is its anchor's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
     /// Its name.
     pub id: PriorId,

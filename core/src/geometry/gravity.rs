@@ -1,10 +1,9 @@
 //! Gravity: the direction in which things fall, in some frame.
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// The unit vector of gravity, in the frame of its owner.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity([f64; 3]);
 
 impl Gravity {

@@ -1,7 +1,6 @@
 //! A rigid transformation between two frames.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use serde::{Deserialize, Serialize};
 
 use super::point::Point3;
 
@@ -14,7 +13,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A rigid transformation, read right to left: `map_from_camera * point_in_camera`
 /// is the point in the map. Lengths in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose(Isometry3<f64>);
 
 impl Pose {

@@ -1,7 +1,6 @@
 //! A similarity transformation between two frames: rotation, translation and one scale.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::point::Point3;
 use super::pose::Pose;
@@ -11,7 +10,7 @@ const MAX_NORM_ERROR: f64 = 0.01;
 
 /// A similarity, read right to left: `candidate_from_query * point_in_query` is
 /// `scale * rotation * point_in_query + translation`, the point in the candidate's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sim3 {
     scale: f64,
     rotation: UnitQuaternion<f64>,

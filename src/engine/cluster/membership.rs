@@ -1,10 +1,19 @@
 //! Membership: this server among those that share its database, and what it knows of them.
 
 use std::sync::{Arc, PoisonError, RwLock};
+use std::time::Duration;
+
+use moka::sync::Cache;
 
 use super::placement::placed;
 use crate::domain::ids::MapId;
 use crate::store::Node;
+
+/// An owner is asked for again after this time. A map that moves meanwhile is answered with 503, as while it moves.
+const OWNER_LASTS: Duration = Duration::from_millis(500);
+
+/// The most owners that are kept.
+const OWNERS_MAX: u64 = 10_000;
 
 /// This server among those that share its database.
 #[derive(Debug)]
@@ -13,11 +22,29 @@ pub(in crate::engine) struct Membership {
     pub(super) this: Node,
     /// The servers that are there, this one among them, as of the last renewal.
     nodes: RwLock<Arc<[Node]>>,
+    /// The owners of maps that other servers have, as the database said a moment ago.
+    owners: Cache<MapId, String>,
 }
 
 impl Membership {
     pub(super) fn of(this: Node, nodes: Vec<Node>) -> Arc<Self> {
-        Arc::new(Self { this, nodes: RwLock::new(nodes.into()) })
+        let owners = Cache::builder().max_capacity(OWNERS_MAX).time_to_live(OWNER_LASTS).build();
+        Arc::new(Self { this, nodes: RwLock::new(nodes.into()), owners })
+    }
+
+    /// Returns the owner of a map that another server had a moment ago.
+    pub(super) fn owner_before(&self, map: &MapId) -> Option<Node> {
+        self.node(&self.owners.get(map)?)
+    }
+
+    /// Notes that another server has a map.
+    pub(super) fn note_owner(&self, map: &MapId, owner: &str) {
+        self.owners.insert(map.clone(), owner.to_owned());
+    }
+
+    /// Forgets who has a map: that server did not answer.
+    pub(super) fn forget_owner(&self, map: &MapId) {
+        self.owners.invalidate(map);
     }
 
     /// Returns the servers that are there.

@@ -20,17 +20,30 @@ impl Service {
         if self.registry.in_memory_now(map).is_some() {
             return Ok(Route::Here);
         }
+        if let Some(node) = membership.owner_before(map) {
+            return Ok(Route::At(node));
+        }
         let placed = || {
             let node = membership.placed(map);
             if node.id == membership.this.id { Route::Here } else { Route::At(node) }
         };
         match self.store.owner(map).await? {
-            Some(Owner::Other(id)) => membership.node(&id).map(Route::At).ok_or_else(|| {
-                let detail = "the server that has this map is not heard of; another one takes it soon";
-                ServiceError::Unavailable { detail: detail.to_owned(), retry_after_s: 1 }
-            }),
+            Some(Owner::Other(id)) => {
+                membership.note_owner(map, &id);
+                membership.node(&id).map(Route::At).ok_or_else(|| {
+                    let detail = "the server that has this map is not heard of; another one takes it soon";
+                    ServiceError::Unavailable { detail: detail.to_owned(), retry_after_s: 1 }
+                })
+            }
             // One that is to be made is made where it should be.
             Some(Owner::Free) | None => Ok(placed()),
+        }
+    }
+
+    /// Notes that the server that has a map did not answer, or has it no more.
+    pub fn ask_for_owner_again(&self, map: &MapId) {
+        if let Some(membership) = self.membership.get() {
+            membership.forget_owner(map);
         }
     }
 

@@ -73,8 +73,12 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
-        let forwarded = Family::default();
-        registry.register("forwarded", "Requests sent on to the server that has the map", forwarded.clone());
+        let forwarded = Family::<ForwardedLabels, Counter>::default();
+        for outcome in ["answered", "copied", "failed"] {
+            // Told from the start, so that a rate is one.
+            drop(forwarded.get_or_create(&ForwardedLabels { outcome }));
+        }
+        registry.register("forwarded", "Requests about maps of other servers", forwarded.clone());
         let refusals = Family::default();
         registry.register("http_refusals", "Requests rejected or failed, by status", refusals.clone());
         let built = vec![("version", build::VERSION)];
@@ -128,7 +132,7 @@ impl Metrics {
         self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
     }
 
-    /// Counts a request that was sent on to another server: `answered` or `failed`.
+    /// Counts a request about a map of another server: `answered` by that one, `copied` from a copy here, or `failed`.
     pub fn forwarded(&self, outcome: &'static str) {
         self.forwarded.get_or_create(&ForwardedLabels { outcome }).inc();
     }

@@ -3,13 +3,14 @@
 //! The owner writes it beside the facts, in the same transaction, while a server follows the map ([`super::followers`]). It is
 //! no fact: a version that is not there, or in a form that is not known, has the follower load the map anew.
 
+use super::change_form::Form;
 use crate::domain::change::Change;
 use crate::store::commit::job::{Batch, MapKey};
 use crate::store::rows::statement::run;
 use crate::store::sql::{self, Connection};
 use crate::store::{Store, StoreError};
 
-/// The form of the changes: that of this version of the program, whose types may differ from another's.
+/// The version of the form of changes: another version of the program may have another one.
 const FORMAT: &str = concat!(env!("CARGO_PKG_VERSION"), "/1");
 
 /// Changes that take more bytes are not logged: a map of which so much changed is loaded anew.
@@ -31,7 +32,10 @@ pub enum News {
 
 /// Logs what a batch changes. Kinds of changes that are rare have no form, and are left out with their version.
 pub(in crate::store) async fn log(db: &mut Connection, batch: &Batch) -> Result<(), StoreError> {
-    let Ok(changes) = postcard::to_stdvec(&batch.changes) else { return Ok(()) };
+    let Some(forms) = batch.changes.iter().map(Form::of).collect::<Option<Vec<Form>>>() else {
+        return Ok(());
+    };
+    let Ok(changes) = postcard::to_stdvec(&forms) else { return Ok(()) };
     if changes.len() > BYTES_MAX {
         return Ok(());
     }
@@ -83,7 +87,8 @@ fn without_gap(known: u64, rows: Vec<(i64, String, Vec<u8>)>) -> Option<Vec<(u64
         if version as u64 != next || format != FORMAT {
             break;
         }
-        let Ok(of_version) = postcard::from_bytes(&bytes) else { break };
+        let Ok(forms) = postcard::from_bytes::<Vec<Form>>(&bytes) else { break };
+        let Some(of_version) = forms.into_iter().map(Form::change).collect() else { break };
         changes.push((next, of_version));
     }
     (!changes.is_empty()).then_some(changes)
@@ -95,8 +100,8 @@ mod tests {
     use crate::domain::ids::AnchorSeq;
 
     fn row(version: i64, format: &str) -> (i64, String, Vec<u8>) {
-        let changes = vec![Change::AnchorTouched(AnchorSeq(3), version as u64)];
-        (version, format.to_owned(), postcard::to_stdvec(&changes).expect("it has a form"))
+        let form = Form::of(&Change::AnchorTouched(AnchorSeq(3), version as u64));
+        (version, format.to_owned(), postcard::to_stdvec(&[form.expect("it has one")]).expect("bytes"))
     }
 
     #[test]

@@ -4,27 +4,14 @@ use std::time::Duration;
 
 use super::key_list::list;
 use crate::store::commit::job::MapKey;
-use crate::store::sql::{self, Pool};
+use crate::store::sql;
 use crate::store::{Store, StoreError};
 
 /// A server counts as a follower so long after it last said so.
 const FOLLOWS: Duration = Duration::from_secs(15);
 
-/// What a version changed is kept so long in the log.
-const LOGGED: Duration = Duration::from_secs(60);
-
 /// Answers of followers that wait for the owner of their map; further ones are not kept.
 const ANSWERS_MAX: i64 = 1_000;
-
-/// Returns which of these maps a server follows, and removes what the log need not tell any more.
-pub(super) async fn followed(pool: &Pool, maps: &[MapKey]) -> Result<Vec<MapKey>, StoreError> {
-    let delete = "delete from map_changes where map_key in (select cast(value as bigint) from json_each($1))
-        and written < clock_timestamp() - make_interval(secs => $2)";
-    sql::query(delete).bind(list(maps)).bind(LOGGED.as_secs_f64()).execute(pool).await?;
-    let select = "select distinct map_key from map_followers
-        where map_key in (select cast(value as bigint) from json_each($1)) and expires > clock_timestamp()";
-    Ok(sql::query_scalar(select).bind(list(maps)).fetch_all(pool).await?)
-}
 
 impl Store {
     /// Says that this server follows these maps, for a while.

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::followers;
+use super::followed::followed;
 use super::key_list::list;
 use crate::domain::ids::MapId;
 use crate::store::StoreError;
@@ -216,7 +216,7 @@ impl Leases {
                 _ => self.lose(&lease),
             }
         }
-        let followed = followers::followed(&self.pool, &keys).await?;
+        let followed = followed(&self.pool, &keys).await?;
         for lease in self.lock().values() {
             lease.is_followed.store(followed.contains(&lease.map), Ordering::Relaxed);
         }

@@ -11,8 +11,8 @@ use crate::store::sql::{Connection, Engine, query};
 /// Rows of a statement. A connection keeps a statement for each number of rows, so there are few numbers.
 const SIZES: [usize; 3] = [32, 8, 1];
 
-/// The same for PostgreSQL, where each statement is a round trip.
-const SIZES_POSTGRES: [usize; 4] = [256, 32, 8, 1];
+/// The same for PostgreSQL, where each statement is a round trip: 20 rows take two.
+const SIZES_POSTGRES: [usize; 9] = [256, 128, 64, 32, 16, 8, 4, 2, 1];
 
 /// Most parameters of a statement of PostgreSQL.
 const PARAMETERS_MAX: usize = 65_535;
