@@ -10,7 +10,7 @@ use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
 use super::leases::Leases;
 use super::schema;
 use crate::store::commit::group_commit::{self, Served};
-use crate::store::sql::Pool;
+use crate::store::sql::{Pool, Statements};
 use crate::store::{Store, StoreError};
 
 /// Readers beside the one writer.
@@ -30,7 +30,7 @@ const STATEMENTS_KEPT: usize = 512;
 
 /// Opens the database at an address, and brings it to this version's schema.
 pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
-    let options = options(url)?;
+    let (options, how) = (options(url)?, statements(url));
     let pool = |connections: u32| {
         PgPoolOptions::new()
             .max_connections(connections)
@@ -44,19 +44,56 @@ pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
             .connect_lazy_with(options.clone())
     };
     let readers: PgPool = pool(READERS);
-    schema::migrate(&readers).await?;
+    schema::migrate(&readers, how).await?;
     // Its one connection is made by the writer's thread, which alone uses it.
-    let leases = Arc::new(Leases::of(random_name(), Pool::Postgres(pool(1))));
-    let committer = group_commit::start(Pool::Postgres(pool(1)), None, Served::Shared(leases.clone()))?;
-    Ok(Store { readers: Pool::Postgres(readers), committer, files: None, lock: None, leases: Some(leases) })
+    let leases = Arc::new(Leases::of(random_name(), Pool::Postgres(pool(1), how)));
+    let committer = group_commit::start(Pool::Postgres(pool(1), how), None, Served::Shared(leases.clone()))?;
+    Ok(Store {
+        readers: Pool::Postgres(readers, how),
+        committer,
+        files: None,
+        lock: None,
+        leases: Some(leases),
+    })
 }
 
 fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
     let options = PgConnectOptions::from_str(url)?;
-    Ok(options.application_name("revisit").statement_cache_capacity(STATEMENTS_KEPT))
+    // PgBouncer refuses connections that set it. Numbers come in binary, of which it changes nothing.
+    let kept = match statements(url) {
+        Statements::Named => STATEMENTS_KEPT,
+        Statements::Unnamed => 0,
+    };
+    Ok(options.application_name("revisit").extra_float_digits(None).statement_cache_capacity(kept))
+}
+
+/// Returns how statements are sent: with a cache of none (`statement-cache-capacity=0`, as sqlx names it) they have no names.
+fn statements(url: &str) -> Statements {
+    let parameters = url.split_once('?').map_or("", |(_, parameters)| parameters);
+    if parameters.split('&').any(|parameter| parameter == "statement-cache-capacity=0") {
+        Statements::Unnamed
+    } else {
+        Statements::Named
+    }
 }
 
 /// Returns a name that nobody else has, and nobody can guess: 128 random bits.
 pub(in crate::store) fn random_name() -> String {
     format!("{:032x}", rand::random::<u128>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_says_how_statements_are_sent() {
+        for (url, how) in [
+            ("postgres://me@host/base", Statements::Named),
+            ("postgres://me@host/base?statement-cache-capacity=100", Statements::Named),
+            ("postgres://me@host/base?sslmode=require&statement-cache-capacity=0", Statements::Unnamed),
+        ] {
+            assert_eq!(statements(url), how, "{url}");
+        }
+    }
 }

@@ -9,10 +9,11 @@ use std::time::Duration;
 
 use sqlx::SqlSafeStr;
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
-use sqlx::postgres::PgPool;
+use sqlx::postgres::{PgConnection, PgPool};
 use tokio::time::sleep;
 
 use crate::store::StoreError;
+use crate::store::sql::Statements;
 
 /// A version of the schema.
 #[derive(Clone, Copy, Debug)]
@@ -53,27 +54,42 @@ pub(super) fn newest() -> i64 {
     MIGRATIONS.last().map_or(0, |step| step.version)
 }
 
-/// Brings the database to this version's schema; each step is one transaction. A newer one stays as it is, if this program can work with it.
-pub(in crate::store) async fn migrate(pool: &PgPool) -> Result<(), StoreError> {
-    let found = found(pool).await?;
-    let Some(oldest) = to_be_migrated(&found, MIGRATIONS)? else { return Ok(()) };
+/// Forgets the statements that a session has prepared, this one's or another server's, which give them the same names.
+const FORGET: &str = "deallocate all";
+
+/// Brings the database to this version's schema, in one transaction. A newer one stays as it is, if this program can work with it.
+pub(in crate::store) async fn migrate(pool: &PgPool, how: Statements) -> Result<(), StoreError> {
     let mut tries = 0;
     loop {
         tries += 1;
-        match run(pool).await {
-            Ok(()) => break,
-            Err(MigrateError::Execute(_) | MigrateError::ExecuteMigration(..)) if tries < TRIES => {
+        match try_to_migrate(pool, how).await {
+            // Two servers that start on an empty database make the same tables, and one of them waits and fails.
+            Err(StoreError::Database(error)) if tries < TRIES => {
+                tracing::debug!(error, "the schema is tried again");
                 sleep(TRIED_AGAIN_AFTER).await;
             }
-            Err(error) => return Err(StoreError::Database(error.to_string())),
+            done => return done,
         }
     }
-    let update = "update schema_reach set oldest = $1 where oldest < $1";
-    sqlx::query(update).bind(oldest).execute(pool).await?;
-    Ok(())
 }
 
-async fn run(pool: &PgPool) -> Result<(), MigrateError> {
+async fn try_to_migrate(pool: &PgPool, how: Statements) -> Result<(), StoreError> {
+    let mut db = pool.begin().await?;
+    if how == Statements::Unnamed {
+        sqlx::raw_sql(FORGET).execute(&mut *db).await?;
+    }
+    if let Some(oldest) = to_be_migrated(&found(&mut db).await?, MIGRATIONS)? {
+        run(&mut db).await.map_err(|error| StoreError::Database(error.to_string()))?;
+        let update = "update schema_reach set oldest = $1 where oldest < $1";
+        sqlx::query(update).bind(oldest).execute(&mut *db).await?;
+    }
+    if how == Statements::Unnamed {
+        sqlx::raw_sql(FORGET).execute(&mut *db).await?;
+    }
+    Ok(db.commit().await?)
+}
+
+async fn run(db: &mut PgConnection) -> Result<(), MigrateError> {
     let migration = |step: &Step| {
         Migration::new(
             step.version,
@@ -86,13 +102,13 @@ async fn run(pool: &PgPool) -> Result<(), MigrateError> {
     let mut migrator = Migrator::with_migrations(MIGRATIONS.iter().map(migration).collect());
     // It would lock by a session, which a pooler of connections does not keep; the tables' own locks order the steps.
     migrator.set_locking(false);
-    migrator.run(pool).await
+    migrator.run(db).await
 }
 
-async fn found(pool: &PgPool) -> Result<Found, StoreError> {
+async fn found(db: &mut PgConnection) -> Result<Found, StoreError> {
     let is_there =
         "select to_regclass('_sqlx_migrations') is not null and to_regclass('schema_reach') is not null";
-    if !sqlx::query_scalar::<_, bool>(is_there).fetch_one(pool).await? {
+    if !sqlx::query_scalar::<_, bool>(is_there).fetch_one(&mut *db).await? {
         return Ok(Found::default());
     }
     let version = sqlx::query_scalar("select coalesce(max(version), 0) from _sqlx_migrations where success");
@@ -100,9 +116,9 @@ async fn found(pool: &PgPool) -> Result<Found, StoreError> {
     let known =
         sqlx::query_scalar("select schema from nodes where expires > clock_timestamp() order by schema");
     Ok(Found {
-        version: version.fetch_one(pool).await?,
-        oldest: oldest.fetch_one(pool).await?,
-        known_to_servers: known.fetch_all(pool).await?,
+        version: version.fetch_one(&mut *db).await?,
+        oldest: oldest.fetch_one(&mut *db).await?,
+        known_to_servers: known.fetch_all(&mut *db).await?,
     })
 }
 

@@ -14,11 +14,21 @@ pub enum Engine {
     Postgres,
 }
 
+/// How statements reach a PostgreSQL server.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::store) enum Statements {
+    /// Each connection prepares a statement once, under a name.
+    Named,
+    /// Each is prepared anew, without a name, and always within a transaction. A pooler that gives each transaction to any
+    /// session, and does not know of prepared statements, keeps no more than that together.
+    Unnamed,
+}
+
 /// Connections that are kept open.
 #[derive(Clone, Debug)]
 pub(in crate::store) enum Pool {
     Sqlite(SqlitePool),
-    Postgres(PgPool),
+    Postgres(PgPool, Statements),
 }
 
 /// A connection.
@@ -26,43 +36,49 @@ pub(in crate::store) enum Pool {
 pub(in crate::store) enum Connection {
     Sqlite(SqliteConnection),
     PooledSqlite(PoolConnection<Sqlite>),
-    Postgres(PoolConnection<Postgres>),
+    Postgres(PoolConnection<Postgres>, Statements),
 }
 
 /// The connection that a statement goes to, or any of a pool.
 pub(in crate::store) enum Target<'c> {
     Sqlite(&'c mut SqliteConnection),
-    Postgres(&'c mut PgConnection),
+    Postgres(&'c mut PgConnection, Statements),
     SqlitePool(&'c SqlitePool),
-    PostgresPool(&'c PgPool),
+    PostgresPool(&'c PgPool, Statements),
+}
+
+/// A connection of a pool for one statement. Dropped before its end, it is closed.
+pub(super) struct Alone {
+    connection: Option<PoolConnection<Postgres>>,
+    how: Statements,
 }
 
 impl Pool {
     pub(in crate::store) async fn acquire(&self) -> Result<Connection, Error> {
         Ok(match self {
             Self::Sqlite(pool) => Connection::PooledSqlite(pool.acquire().await?),
-            Self::Postgres(pool) => Connection::Postgres(pool.acquire().await?),
+            Self::Postgres(pool, statements) => Connection::Postgres(pool.acquire().await?, *statements),
         })
     }
 
     pub(in crate::store) async fn close(&self) {
         match self {
             Self::Sqlite(pool) => pool.close().await,
-            Self::Postgres(pool) => pool.close().await,
+            Self::Postgres(pool, _) => pool.close().await,
         }
     }
 
     pub(in crate::store) fn is_closed(&self) -> bool {
         match self {
             Self::Sqlite(pool) => pool.is_closed(),
-            Self::Postgres(pool) => pool.is_closed(),
+            Self::Postgres(pool, _) => pool.is_closed(),
         }
     }
 
     pub(in crate::store) fn engine(&self) -> Engine {
         match self {
             Self::Sqlite(_) => Engine::Sqlite,
-            Self::Postgres(_) => Engine::Postgres,
+            Self::Postgres(..) => Engine::Postgres,
         }
     }
 }
@@ -71,7 +87,7 @@ impl Connection {
     pub(in crate::store) fn engine(&self) -> Engine {
         match self {
             Self::Sqlite(_) | Self::PooledSqlite(_) => Engine::Sqlite,
-            Self::Postgres(_) => Engine::Postgres,
+            Self::Postgres(..) => Engine::Postgres,
         }
     }
 
@@ -80,7 +96,7 @@ impl Connection {
         match self {
             Self::Sqlite(db) => sqlx::raw_sql(statements).execute(db).await.map(drop),
             Self::PooledSqlite(db) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
-            Self::Postgres(db) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
+            Self::Postgres(db, _) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
         }
     }
 
@@ -89,7 +105,7 @@ impl Connection {
         match self {
             Self::Sqlite(db) => db.close().await,
             Self::PooledSqlite(db) => db.close().await,
-            Self::Postgres(db) => db.close().await,
+            Self::Postgres(db, _) => db.close().await,
         }
     }
 
@@ -98,7 +114,46 @@ impl Connection {
         match self {
             Self::Sqlite(_) => {}
             Self::PooledSqlite(db) => db.close_on_drop(),
-            Self::Postgres(db) => db.close_on_drop(),
+            Self::Postgres(db, _) => db.close_on_drop(),
+        }
+    }
+}
+
+impl Alone {
+    pub(super) async fn begin(pool: &PgPool, how: Statements) -> Result<Self, Error> {
+        let mut this = Self { connection: Some(pool.acquire().await?), how };
+        if how == Statements::Unnamed {
+            sqlx::raw_sql("begin").execute(this.connection()).await?;
+        }
+        Ok(this)
+    }
+
+    pub(super) fn connection(&mut self) -> &mut PgConnection {
+        self.connection.as_mut().unwrap_or_else(|| unreachable!("only its end takes the connection"))
+    }
+
+    /// Returns the statement's answer once it counts.
+    pub(super) async fn end<T>(mut self, answer: Result<T, Error>) -> Result<T, Error> {
+        let is_usable = match (&answer, self.how) {
+            (Ok(_), Statements::Unnamed) => {
+                sqlx::raw_sql("commit").execute(self.connection()).await?;
+                true
+            }
+            (Err(_), Statements::Unnamed) => false,
+            (Ok(_) | Err(Error::Database(_)), Statements::Named) => true,
+            (Err(_), Statements::Named) => false,
+        };
+        if is_usable {
+            self.connection = None;
+        }
+        answer
+    }
+}
+
+impl Drop for Alone {
+    fn drop(&mut self) {
+        if let Some(connection) = &mut self.connection {
+            connection.close_on_drop();
         }
     }
 }
@@ -114,7 +169,7 @@ impl<'c> From<&'c mut Connection> for Target<'c> {
         match connection {
             Connection::Sqlite(db) => Self::Sqlite(db),
             Connection::PooledSqlite(db) => Self::Sqlite(db),
-            Connection::Postgres(db) => Self::Postgres(db),
+            Connection::Postgres(db, statements) => Self::Postgres(db, *statements),
         }
     }
 }
@@ -123,7 +178,7 @@ impl<'c> From<&'c Pool> for Target<'c> {
     fn from(pool: &'c Pool) -> Self {
         match pool {
             Pool::Sqlite(pool) => Self::SqlitePool(pool),
-            Pool::Postgres(pool) => Self::PostgresPool(pool),
+            Pool::Postgres(pool, statements) => Self::PostgresPool(pool, *statements),
         }
     }
 }

@@ -3,11 +3,11 @@
 use std::marker::PhantomData;
 
 use futures_util::stream::{BoxStream, StreamExt as _, TryStreamExt as _};
-use sqlx::postgres::{PgArguments, Postgres};
+use sqlx::postgres::{PgArguments, PgPool, PgRow, Postgres};
 use sqlx::sqlite::{Sqlite, SqliteArguments};
-use sqlx::{Error, SqlSafeStr, SqlStr};
+use sqlx::{Either, Error, Executor as _, PgConnection, SqlSafeStr, SqlStr};
 
-use super::connection::{Connection, Target};
+use super::connection::{Alone, Connection, Statements, Target};
 use super::row::{FromRow, FromValue, Row};
 use super::value::{ToValue, Value};
 
@@ -23,6 +23,14 @@ pub(in crate::store) struct QueryAs<T> {
     query: Query,
     read: fn(&Row) -> Result<T, Error>,
     rows: PhantomData<fn() -> T>,
+}
+
+/// What a server answered to a statement.
+#[derive(Default)]
+struct Answer {
+    /// The number of rows that it changed.
+    changed: u64,
+    rows: Vec<PgRow>,
 }
 
 /// Returns a statement.
@@ -58,8 +66,8 @@ impl Query {
         Ok(match to.into() {
             Target::Sqlite(db) => self.for_sqlite()?.execute(db).await?.rows_affected(),
             Target::SqlitePool(pool) => self.for_sqlite()?.execute(pool).await?.rows_affected(),
-            Target::Postgres(db) => self.for_postgres()?.execute(db).await?.rows_affected(),
-            Target::PostgresPool(pool) => self.for_postgres()?.execute(pool).await?.rows_affected(),
+            Target::Postgres(db, how) => self.send(db, how).await?.changed,
+            Target::PostgresPool(pool, how) => self.send_alone(pool, how).await?.changed,
         })
     }
 
@@ -72,8 +80,8 @@ impl Query {
         Ok(match from.into() {
             Target::Sqlite(db) => sqlite(self.for_sqlite()?.fetch_all(db).await?),
             Target::SqlitePool(pool) => sqlite(self.for_sqlite()?.fetch_all(pool).await?),
-            Target::Postgres(db) => postgres(self.for_postgres()?.fetch_all(db).await?),
-            Target::PostgresPool(pool) => postgres(self.for_postgres()?.fetch_all(pool).await?),
+            Target::Postgres(db, how) => postgres(self.send(db, how).await?.rows),
+            Target::PostgresPool(pool, how) => postgres(self.send_alone(pool, how).await?.rows),
         })
     }
 
@@ -81,11 +89,12 @@ impl Query {
         self,
         from: impl Into<Target<'c>>,
     ) -> Result<Option<Row>, Error> {
+        let first = |rows: Vec<PgRow>| rows.into_iter().next().map(Row::Postgres);
         Ok(match from.into() {
             Target::Sqlite(db) => self.for_sqlite()?.fetch_optional(db).await?.map(Row::Sqlite),
             Target::SqlitePool(pool) => self.for_sqlite()?.fetch_optional(pool).await?.map(Row::Sqlite),
-            Target::Postgres(db) => self.for_postgres()?.fetch_optional(db).await?.map(Row::Postgres),
-            Target::PostgresPool(pool) => self.for_postgres()?.fetch_optional(pool).await?.map(Row::Postgres),
+            Target::Postgres(db, how) => first(self.send(db, how).await?.rows),
+            Target::PostgresPool(pool, how) => first(self.send_alone(pool, how).await?.rows),
         })
     }
 
@@ -101,11 +110,11 @@ impl Query {
                 Ok(query) => query.fetch(db).map_ok(Row::Sqlite).boxed(),
                 Err(error) => failed(error),
             },
-            Target::Postgres(db) => match self.for_postgres() {
+            Target::Postgres(db, how) => match self.for_postgres(how) {
                 Ok(query) => query.fetch(db).map_ok(Row::Postgres).boxed(),
                 Err(error) => failed(error),
             },
-            Target::SqlitePool(_) | Target::PostgresPool(_) => unreachable!("a connection is no pool"),
+            Target::SqlitePool(_) | Target::PostgresPool(..) => unreachable!("a connection is no pool"),
         }
     }
 
@@ -116,11 +125,35 @@ impl Query {
         Ok(sqlx::query_with(self.sql, arguments))
     }
 
-    fn for_postgres(self) -> Result<sqlx::query::Query<'static, Postgres, PgArguments>, Error> {
+    /// Sends it on a connection of a server.
+    async fn send(self, db: &mut PgConnection, how: Statements) -> Result<Answer, Error> {
+        let query = self.for_postgres(how)?;
+        let (mut answer, mut parts) = (Answer::default(), db.fetch_many(query));
+        while let Some(part) = parts.try_next().await? {
+            match part {
+                Either::Left(result) => answer.changed += result.rows_affected(),
+                Either::Right(row) => answer.rows.push(row),
+            }
+        }
+        drop(parts);
+        Ok(answer)
+    }
+
+    /// Sends it on a connection of its own.
+    async fn send_alone(self, pool: &PgPool, how: Statements) -> Result<Answer, Error> {
+        let mut alone = Alone::begin(pool, how).await?;
+        let answer = self.send(alone.connection(), how).await;
+        alone.end(answer).await
+    }
+
+    fn for_postgres(
+        self,
+        how: Statements,
+    ) -> Result<sqlx::query::Query<'static, Postgres, PgArguments>, Error> {
         let mut arguments = PgArguments::default();
         let mut values = self.values.into_iter();
         values.try_for_each(|value| value.add_to_postgres(&mut arguments)).map_err(Error::Encode)?;
-        Ok(sqlx::query_with(self.sql, arguments))
+        Ok(sqlx::query_with(self.sql, arguments).persistent(how == Statements::Named))
     }
 }
 
