@@ -111,6 +111,7 @@ impl Service {
         if !was_in_memory {
             // Its anchors may lack what a model that was configured since could give.
             self.worker.wake();
+            self.wait_for_no_model(&live).await;
         }
         Ok(live)
     }

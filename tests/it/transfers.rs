@@ -87,7 +87,7 @@ async fn told(server: &Server) -> Vec<(String, bytes::Bytes)> {
 
 /// The events of a map as they are kept.
 async fn first_event(server: &Server) -> Value {
-    server.event("/v1/maps/hotel/events?after=0", |_| true).await
+    server.event("/v1/maps/hotel/events?since=0", |_| true).await
 }
 
 fn keys_of(database: &str) -> Vec<u8> {

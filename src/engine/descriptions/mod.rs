@@ -3,6 +3,7 @@
 pub(super) mod backlog;
 pub(super) mod description_job;
 pub(super) mod judgement_runner;
+mod no_models;
 pub(super) mod rejudging;
 pub(super) mod round;
 pub(super) mod running_jobs;

@@ -61,6 +61,11 @@ impl Transaction {
 
     /// Takes back what was done, or notices that SQLite has done so.
     pub(in crate::store) async fn roll_back(mut self) {
+        if self.engine() == Engine::Postgres {
+            // The server does so when its connection ends. A new one is wanted in any case: this one may be silent, or lead to a
+            // server that only reads by now.
+            return;
+        }
         let nothing_to_do = |error: &sqlx::Error| {
             error
                 .as_database_error()

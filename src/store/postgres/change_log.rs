@@ -101,7 +101,7 @@ mod tests {
 
     fn row(version: i64, format: &str) -> (i64, String, Vec<u8>) {
         let form = Form::of(&Change::AnchorTouched(AnchorSeq(3), version as u64));
-        (version, format.to_owned(), postcard::to_stdvec(&[form.expect("it has one")]).expect("bytes"))
+        (version, format.to_owned(), postcard::to_stdvec(&vec![form.expect("it has one")]).expect("bytes"))
     }
 
     #[test]

@@ -144,7 +144,7 @@ impl Leases {
                 Ok(Taken::Here(lease))
             }
             Ok(other) => {
-                db.roll_back().await;
+                db.commit().await?;
                 Ok(if other.is_none() { Taken::NoMap } else { Taken::Elsewhere })
             }
             Err(error) => {
@@ -277,6 +277,24 @@ impl Leases {
             }
         }
         if is_fenced { Err(StoreError::Fenced) } else { Ok(()) }
+    }
+
+    /// Fails if a database does not say what it said when this server took a map: what is read there may be older than what was
+    /// written before. A balancer may lead to a replica for a moment.
+    pub(in crate::store) async fn expect_ours(
+        &self,
+        db: &mut Connection,
+        map: MapKey,
+    ) -> Result<(), StoreError> {
+        let Some(lease) = self.lock().get(&map).cloned() else { return Ok(()) };
+        let select = "select owner, epoch from map_owners where map_key = $1";
+        let row: Option<(Option<String>, i64)> = sql::query_as(select).bind(map).fetch_optional(db).await?;
+        match row {
+            Some((Some(owner), epoch)) if owner == self.node && epoch == lease.epoch => Ok(()),
+            _ => {
+                Err(StoreError::Away("the one that answers is behind the one that was written to".to_owned()))
+            }
+        }
     }
 
     fn lose(&self, lease: &Arc<Lease>) {

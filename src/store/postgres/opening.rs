@@ -4,12 +4,13 @@ use std::str::FromStr as _;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sqlx::Connection as _;
-use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
+use sqlx::Row as _;
+use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool, PgPoolOptions};
 
 use super::leases::Leases;
 use super::schema;
 use crate::store::commit::group_commit::{self, Served};
+use crate::store::sql::connection::limited;
 use crate::store::sql::{Pool, Statements};
 use crate::store::{Store, StoreError};
 
@@ -36,10 +37,11 @@ pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
             .max_connections(connections)
             .acquire_timeout(ACQUIRE_TIMEOUT)
             .max_lifetime(LIFETIME_MAX)
-            // Asking one that was used a moment ago costs a round trip, and tells nothing.
+            .after_connect(|db, _| Box::pin(expect_writable(db)))
+            // Asking one that was used a moment ago costs a round trip, and tells little.
             .test_before_acquire(false)
             .before_acquire(|db, used| {
-                Box::pin(async move { Ok(used.idle_for < UNTESTED || db.ping().await.is_ok()) })
+                Box::pin(async move { Ok(used.idle_for < UNTESTED || expect_writable(db).await.is_ok()) })
             })
             .connect_lazy_with(options.clone())
     };
@@ -65,6 +67,15 @@ fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
         Statements::Unnamed => 0,
     };
     Ok(options.application_name("revisit").extra_float_digits(None).statement_cache_capacity(kept))
+}
+
+/// Fails if a connection leads to a replica, as a balancer may choose one for a moment, or to nobody any more.
+async fn expect_writable(db: &mut PgConnection) -> Result<(), sqlx::Error> {
+    let row = limited(sqlx::raw_sql("select pg_is_in_recovery()").fetch_one(db)).await?;
+    if row.try_get::<bool, _>(0)? {
+        return Err(sqlx::Error::Protocol("the server is a replica, which only reads".to_owned()));
+    }
+    Ok(())
 }
 
 /// Returns how statements are sent: with a cache of none (`statement-cache-capacity=0`, as sqlx names it) they have no names.

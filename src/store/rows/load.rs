@@ -36,6 +36,9 @@ impl FactSource for &Store {
         // One read transaction, so that the facts are those of one version of the map.
         let mut db = self.snapshot().await?;
         let facts = load(&mut db, id, order, take).await?;
+        if let (Some(leases), Some(facts)) = (&self.leases, &facts) {
+            leases.expect_ours(&mut db, facts.key).await?;
+        }
         db.commit().await?;
         Ok(facts)
     }

@@ -1,5 +1,9 @@
 //! Connections and pools of either engine.
 
+use std::future::Future;
+use std::io;
+use std::time::Duration;
+
 use sqlx::pool::PoolConnection;
 use sqlx::postgres::PgPool;
 use sqlx::sqlite::SqlitePool;
@@ -13,6 +17,10 @@ pub enum Engine {
     /// A server that others share.
     Postgres,
 }
+
+/// The longest wait for an answer of a server. A machine that lost its power, or an address that moved to another one, ends no
+/// connection: whoever waits for it waits for ever, and with the one writer every map of this server.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// How statements reach a PostgreSQL server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,7 +104,7 @@ impl Connection {
         match self {
             Self::Sqlite(db) => sqlx::raw_sql(statements).execute(db).await.map(drop),
             Self::PooledSqlite(db) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
-            Self::Postgres(db, _) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
+            Self::Postgres(db, _) => limited(sqlx::raw_sql(statements).execute(&mut **db)).await.map(drop),
         }
     }
 
@@ -123,7 +131,7 @@ impl Alone {
     pub(super) async fn begin(pool: &PgPool, how: Statements) -> Result<Self, Error> {
         let mut this = Self { connection: Some(pool.acquire().await?), how };
         if how == Statements::Unnamed {
-            sqlx::raw_sql("begin").execute(this.connection()).await?;
+            limited(sqlx::raw_sql("begin").execute(this.connection())).await?;
         }
         Ok(this)
     }
@@ -136,7 +144,7 @@ impl Alone {
     pub(super) async fn end<T>(mut self, answer: Result<T, Error>) -> Result<T, Error> {
         let is_usable = match (&answer, self.how) {
             (Ok(_), Statements::Unnamed) => {
-                sqlx::raw_sql("commit").execute(self.connection()).await?;
+                limited(sqlx::raw_sql("commit").execute(self.connection())).await?;
                 true
             }
             (Err(_), Statements::Unnamed) => false,
@@ -148,6 +156,12 @@ impl Alone {
         }
         answer
     }
+}
+
+/// Waits for an answer, but not for ever. Its connection is to be closed if none comes.
+pub(in crate::store) async fn limited<T>(answer: impl Future<Output = Result<T, Error>>) -> Result<T, Error> {
+    let timed_out = |_| Err(Error::Io(io::Error::new(io::ErrorKind::TimedOut, "no answer")));
+    tokio::time::timeout(ANSWER_TIMEOUT, answer).await.unwrap_or_else(timed_out)
 }
 
 impl Drop for Alone {

@@ -7,7 +7,7 @@ use sqlx::postgres::{PgArguments, PgPool, PgRow, Postgres};
 use sqlx::sqlite::{Sqlite, SqliteArguments};
 use sqlx::{Either, Error, Executor as _, PgConnection, SqlSafeStr, SqlStr};
 
-use super::connection::{Alone, Connection, Statements, Target};
+use super::connection::{Alone, Connection, Statements, Target, limited};
 use super::row::{FromRow, FromValue, Row};
 use super::value::{ToValue, Value};
 
@@ -129,7 +129,7 @@ impl Query {
     async fn send(self, db: &mut PgConnection, how: Statements) -> Result<Answer, Error> {
         let query = self.for_postgres(how)?;
         let (mut answer, mut parts) = (Answer::default(), db.fetch_many(query));
-        while let Some(part) = parts.try_next().await? {
+        while let Some(part) = limited(parts.try_next()).await? {
             match part {
                 Either::Left(result) => answer.changed += result.rows_affected(),
                 Either::Right(row) => answer.rows.push(row),
