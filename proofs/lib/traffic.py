@@ -9,7 +9,7 @@ import random
 import threading
 import time
 
-from linearizable import Read, Stored, Write
+from linearizable import CREATED, Read, Stored, Write
 from robots import same
 from server import Client, Gone
 
@@ -45,6 +45,9 @@ class Traffic:
         self.asked = collections.Counter()
         # When the newest acknowledged attempt at each map was sent.
         self.newest = dict.fromkeys(maps, 0.0)
+        # The newest version of each map that anybody was told of, and answers that were older than asked for, or torn.
+        self.told = dict.fromkeys(maps, CREATED)
+        self.followed, self.stale = 0, []
         # What ended a thread of ours.
         self.crashes = []
         threading.excepthook = lambda crash: self.crashes.append(f"{crash.thread.name}: {crash.exc_value!r}")
@@ -52,13 +55,13 @@ class Traffic:
         self.reading.set()
         self.writing.set()
 
-    def ask(self, clients, method, path, body=None):
+    def ask(self, clients, method, path, body=None, headers=()):
         """Returns the answer of a random server; None if it did not answer, or refused for the moment."""
         client = random.choice(clients)
         with self.lock:
             self.asked[client.address] += 1
         try:
-            answer = client.ask(method, path, body)
+            answer = client.ask(method, path, body, headers)
         except Gone:
             with self.lock:
                 self.broken += 1
@@ -67,7 +70,7 @@ class Traffic:
         with self.lock:
             self.answered += 1
             self.forwarded += owner not in (None, f"http://{client.address}")
-            if answer.status == 503 and answer.headers.get("retry-after"):
+            if answer.status == 412 and headers or answer.status == 503 and answer.headers.get("retry-after"):
                 self.refused += 1
                 return None
             if answer.status not in (200, 201):
@@ -115,6 +118,7 @@ class Writer(threading.Thread):
             write.replayed = version
         del self.pending[write.map]
         with self.traffic.lock:
+            self.traffic.told[write.map] = max(version, self.traffic.told[write.map])
             self.traffic.newest[write.map] = max(attempt, self.traffic.newest[write.map])
 
 
@@ -134,6 +138,26 @@ class Reader(threading.Thread):
                 ended, body = time.monotonic(), answer.json()
                 with traffic.lock:
                     traffic.reads.append(Read(name, began, ended, body["map_version"], body["keyframes"]))
+            time.sleep(random.uniform(0.02, 2 * self.pause))
+
+
+class Follower(Reader):
+    """Reads maps with the newest version that anybody was told of: an answer, also one from a copy, is not older."""
+
+    def run(self):
+        traffic, clients = self.traffic, self.traffic.clients(self.timeout)
+        while traffic.reading.is_set():
+            name = random.choice(traffic.maps)
+            with traffic.lock:
+                told = traffic.told[name]
+            answer = traffic.ask(clients, "GET", f"/v1/maps/{name}", None, {"x-revisit-min-version": str(told)})
+            if answer is not None:
+                body = answer.json()
+                with traffic.lock:
+                    traffic.followed += 1
+                    traffic.told[name] = max(body["map_version"], traffic.told[name])
+                    if body["map_version"] < told or body["keyframes"] != body["map_version"] - CREATED:
+                        traffic.stale.append(f"{name}: asked for version {told}, answered {answer}")
             time.sleep(random.uniform(0.02, 2 * self.pause))
 
 

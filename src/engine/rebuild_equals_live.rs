@@ -8,6 +8,7 @@ mod sending;
 use super::{Service, ServiceError, ServiceOptions};
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;
+use crate::engine::cluster::following::Effort;
 use crate::integrity::rebuild::rebuild;
 use crate::recognition::map::index::MapIndex;
 use crate::store::{Node, Order};
@@ -52,7 +53,7 @@ async fn holds_after(requests: Vec<Request>) {
             Ok(()) | Err(_) => {}
         }
         if let Some(copies) = &copies {
-            copies.reach(&map, 0).await.unwrap();
+            copies.reach_with(&map, 0, Effort::All).await.unwrap();
         }
     }
     let live = service.live(&map).await.unwrap();
@@ -69,7 +70,7 @@ async fn holds_after(requests: Vec<Request>) {
         assert_eq!(loaded.facts.learned, Some(state.index.learned()));
     }
     if let Some(copies) = copies {
-        copies.reach(&map, loaded.facts.version).await.unwrap();
+        copies.reach_with(&map, loaded.facts.version, Effort::All).await.unwrap();
         let copy = copies.live(&map).await.unwrap();
         pretty(&copy.state().unwrap().index, &loaded.index);
     }

@@ -111,6 +111,10 @@ impl Service {
         if !was_in_memory {
             // Its anchors may lack what a model that was configured since could give.
             self.worker.wake();
+            if self.store.is_shared() {
+                // What another server forgot of it while it was not here.
+                self.features.forget_map(live.key).await;
+            }
             self.wait_for_no_model(&live).await;
         }
         Ok(live)

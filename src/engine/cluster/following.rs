@@ -24,6 +24,18 @@ const LOOKS_EVERY: Duration = Duration::from_millis(20);
 /// The time between two looks while nobody waits.
 const KEPT_UP_EVERY: Duration = Duration::from_millis(500);
 
+/// A copy that the log does not bring up to date is loaded anew after this time at the earliest. Until then the owner answers.
+const LOADED_ANEW_EVERY: Duration = Duration::from_secs(5);
+
+/// Whether a copy is loaded anew as often as the log does not tell enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Effort {
+    /// Nobody else can answer.
+    All,
+    /// The owner can answer as well.
+    Little,
+}
+
 /// Of the looks while nobody waits, one in so many tells the owners that their maps are followed.
 const TELLS_EVERY: u32 = 6;
 
@@ -38,11 +50,21 @@ impl Service {
 
     /// Waits until a map has this version, for two seconds at most; fails if it has not.
     pub async fn reach(&self, map: &MapId, version: u64) -> Result<(), ServiceError> {
+        self.reach_with(map, version, Effort::Little).await
+    }
+
+    /// [`Self::reach`], with more effort where nobody else can answer.
+    pub(in crate::engine) async fn reach_with(
+        &self,
+        map: &MapId,
+        version: u64,
+        effort: Effort,
+    ) -> Result<(), ServiceError> {
         let deadline = Instant::now() + WAITS;
         loop {
             let live = self.live(map).await?;
             if self.follows {
-                self.keep_up(&live).await?;
+                self.keep_up(&live, effort).await?;
             } else {
                 let _ = timeout_at(deadline, live.next_version(version.saturating_sub(1))).await;
             }
@@ -65,13 +87,13 @@ impl Service {
         }
         let copies = self.following();
         let version = self.store.version(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
-        copies.reach(map, version).await?;
+        copies.reach_with(map, version, Effort::All).await?;
         copies.live(map).await
     }
 
     /// Brings a copy up to date; if the log does not tell enough, the next request loads it anew.
-    async fn keep_up(&self, live: &Arc<LiveMap>) -> Result<(), ServiceError> {
-        let Some(rewrites) = live.standing.followed_since() else { return Ok(()) };
+    async fn keep_up(&self, live: &Arc<LiveMap>, effort: Effort) -> Result<(), ServiceError> {
+        let Some((rewrites, since)) = live.standing.followed_since() else { return Ok(()) };
         // One at a time takes over what is new.
         let _lane = live.lane.lock().await;
         loop {
@@ -83,6 +105,10 @@ impl Service {
                     spawn_blocking(move || copy.take_over(&versions))
                         .await
                         .map_err(ServiceError::panicked)??;
+                }
+                News::Unknown if effort == Effort::Little && since.elapsed() < LOADED_ANEW_EVERY => {
+                    let detail = "the copy of this map is not up to date; its owner answers".to_owned();
+                    return Err(ServiceError::Unavailable { detail, retry_after_s: 1 });
                 }
                 News::Unknown => {
                     self.followers.count_loaded_anew();
@@ -116,7 +142,7 @@ impl Service {
                 looks = looks.wrapping_add(1);
                 let mut are_up_to_date = true;
                 for copy in &copies {
-                    if let Err(error) = service.keep_up(copy).await {
+                    if let Err(error) = service.keep_up(copy, Effort::Little).await {
                         are_up_to_date = false;
                         tracing::debug!(map = %copy.id, %error, "a copy was not brought up to date");
                     }

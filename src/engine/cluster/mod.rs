@@ -13,7 +13,7 @@
 //! | copies of maps that others own | [`followers`], [`following`] |
 
 pub mod followers;
-mod following;
+pub mod following;
 mod hand_over;
 mod joining;
 pub mod membership;

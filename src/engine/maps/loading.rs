@@ -100,7 +100,7 @@ impl Registry {
 async fn followed(store: &Store, id: &MapId) -> Result<Standing, ServiceError> {
     let map = store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))?;
     store.follow(&[map]).await?;
-    Ok(Standing::Follower { rewrites: store.rewrites(map).await? })
+    Ok(Standing::Follower { rewrites: store.rewrites(map).await?, since: Instant::now() })
 }
 
 /// Takes a map for this server, where others could have it.

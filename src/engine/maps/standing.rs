@@ -1,6 +1,7 @@
 //! Standing: by what right this server has a map in memory.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::store::Lease;
 
@@ -15,6 +16,8 @@ pub(in crate::engine) enum Standing {
     Follower {
         /// How often the map had been rewritten before it was loaded.
         rewrites: i64,
+        /// When it was loaded.
+        since: Instant,
     },
 }
 
@@ -27,10 +30,10 @@ impl Standing {
         }
     }
 
-    /// Returns how often a map that is followed had been rewritten before it was loaded.
-    pub fn followed_since(&self) -> Option<i64> {
+    /// Returns how often a map that is followed had been rewritten before it was loaded, and when that was.
+    pub fn followed_since(&self) -> Option<(i64, Instant)> {
         match self {
-            Self::Follower { rewrites } => Some(*rewrites),
+            Self::Follower { rewrites, since } => Some((*rewrites, *since)),
             Self::Alone | Self::Owner(_) => None,
         }
     }
