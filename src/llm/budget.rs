@@ -176,7 +176,7 @@ impl Budget {
             key: payers_key,
             ..Spent::default()
         };
-        if self.store.is_shared() && !self.is_reserved_among_others(day, microusd, payer).await? {
+        if self.store.is_shared() && !Box::pin(self.is_reserved_among_others(day, microusd, payer)).await? {
             self.undo(&Reservation { day, operation, model: model.clone(), microusd, key: payers_key });
             return Err(Fault::Spent);
         }

@@ -13,7 +13,7 @@ use crate::store::MapKey;
 const PART_OF_MEMORY: u64 = 4;
 
 /// A copy that nobody asked for so long is given up.
-const UNUSED_KEPT: Duration = Duration::from_secs(60);
+const UNUSED_KEPT: Duration = Duration::from_mins(1);
 
 /// The copies of maps that other servers own.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Pool};
 
 /// What a version changed is kept so long in the log.
-const LOGGED: Duration = Duration::from_secs(60);
+const LOGGED: Duration = Duration::from_mins(1);
 
 /// Returns which of these maps a server follows, and removes what the log need not tell any more.
 pub(super) async fn followed(pool: &Pool, maps: &[MapKey]) -> Result<Vec<MapKey>, StoreError> {

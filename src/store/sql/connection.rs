@@ -147,9 +147,8 @@ impl Alone {
                 limited(sqlx::raw_sql("commit").execute(self.connection())).await?;
                 true
             }
-            (Err(_), Statements::Unnamed) => false,
             (Ok(_) | Err(Error::Database(_)), Statements::Named) => true,
-            (Err(_), Statements::Named) => false,
+            (Err(_), _) => false,
         };
         if is_usable {
             self.connection = None;
