@@ -36,6 +36,9 @@ const READS_OF_A_MAP_PER_CORE: usize = 1;
 /// Maximum answers of a map's loop queries that wait for the disk; further ones are not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
 
+/// What is wrong with a database server that does not know what was written.
+const BEHIND: &str = "the one that answers is behind the one that was written to";
+
 /// A map that is in memory.
 #[derive(Debug)]
 pub(in crate::engine) struct LiveMap {
@@ -306,6 +309,20 @@ impl LiveMap {
             Some(lease) if !lease.is_valid() => Err(StoreError::Fenced.into()),
             _ => Ok(()),
         }
+    }
+
+    /// Returns the newest version that is known to be on disk.
+    pub fn version_on_disk(&self) -> u64 {
+        *self.on_disk.borrow()
+    }
+
+    /// Fails if a database server told an older version than what was on disk before it was asked, as one does that was the primary
+    /// before a fail-over; or if another of our servers may have the map by now.
+    pub fn expect_up_to_date(&self, on_disk: u64, told: u64) -> Result<(), ServiceError> {
+        if told < on_disk {
+            return Err(StoreError::Away(BEHIND.to_owned()).into());
+        }
+        self.is_still_ours()
     }
 
     /// Returns the newest version decided, which may not be on disk yet; read without the map's lock.

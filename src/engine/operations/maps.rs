@@ -106,8 +106,14 @@ impl Service {
 
     /// Returns a map as committed: from its row, so that it need not be in memory.
     pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
+        let live = self.registry.in_memory_now(id);
+        let on_disk = live.as_ref().map_or(0, |live| live.version_on_disk());
         let row = self.map_row(id).await?;
-        row.map(|row| row.report).ok_or_else(|| ServiceError::no_map(id))
+        let report = row.map(|row| row.report).ok_or_else(|| ServiceError::no_map(id))?;
+        if let Some(live) = live {
+            live.expect_up_to_date(on_disk, report.version)?;
+        }
+        Ok(report)
     }
 
     async fn map_row(&self, id: &MapId) -> Result<Option<MapRow>, ServiceError> {

@@ -20,8 +20,8 @@ const READERS: u32 = 8;
 /// The longest wait for a connection.
 const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A connection is made anew after so long: after a fail-over it may lead to a server that only reads.
-const LIFETIME_MAX: Duration = Duration::from_mins(10);
+/// A connection is made anew after so long: after a fail-over it may lead to a server that is the primary no more and does not know.
+const LIFETIME_MAX: Duration = Duration::from_mins(1);
 
 /// A connection that was not used for so long is asked whether it still leads somewhere.
 const UNTESTED: Duration = Duration::from_secs(1);
