@@ -107,10 +107,8 @@ impl Service {
     /// Returns a map as committed: from its row, so that it need not be in memory.
     pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
         // Where others may own it, only its owner knows that the database told the newest version.
-        let live = match self.store.is_shared() {
-            true => Some(self.live(id).await?),
-            false => self.registry.in_memory_now(id),
-        };
+        let is_shared = self.store.is_shared();
+        let live = if is_shared { Some(self.live(id).await?) } else { self.registry.in_memory_now(id) };
         let on_disk = live.as_ref().map_or(0, |live| live.version_on_disk());
         let row = self.map_row(id).await?;
         let report = row.map(|row| row.report).ok_or_else(|| ServiceError::no_map(id))?;
