@@ -36,7 +36,7 @@ pub enum TransferError {
     /// Servers have a database open.
     #[error("the {which} is served by {}; stop them first", counted(*count, "server"))]
     Served {
-        /// How many.
+        /// Their number.
         count: u64,
         /// `source` or `target`.
         which: &'static str,
@@ -49,9 +49,9 @@ pub enum TransferError {
     Differs {
         /// The map.
         map: MapId,
-        /// What differs.
+        /// The part that differs.
         what: &'static str,
-        /// What to do about it.
+        /// Advice, or nothing.
         hint: &'static str,
     },
 }

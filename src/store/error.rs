@@ -60,9 +60,9 @@ pub enum StoreError {
          the servers to the version before this one first, or stop them"
     )]
     OldServers {
-        /// What such a server knows.
+        /// The newest version that such a server knows.
         known: i64,
-        /// What it must know.
+        /// The oldest version that it must know.
         oldest: i64,
     },
     /// Another process has the database open, and only one may.

@@ -56,7 +56,7 @@ async fn filled(server: &Server) {
     server.delete("/v1/maps/gone").await.expect(204);
 }
 
-/// What the maps tell of themselves; the list of maps tells which there are.
+/// The answers of the maps about themselves; the list of maps tells which there are.
 async fn told(server: &Server) -> Vec<(String, bytes::Bytes)> {
     let query = json!({"keyframe": "kf-30"});
     let mut told = Vec::new();

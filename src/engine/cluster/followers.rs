@@ -9,7 +9,7 @@ use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::registry::Registry;
 use crate::store::MapKey;
 
-/// What copies may take of the memory for maps, beside the maps that this server owns: one part in so many.
+/// Share of the memory for maps that copies may take, beside the maps that this server owns: one part in so many.
 const PART_OF_MEMORY: u64 = 4;
 
 /// A copy that nobody asked for so long is given up.

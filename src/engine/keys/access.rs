@@ -22,7 +22,7 @@ pub struct HeldKey {
     rate: Option<DefaultDirectRateLimiter>,
     /// Requests that were admitted since the other servers were last told.
     admitted: AtomicU32,
-    /// How many parts of the rate each request counts for: more while the key asks other servers, too.
+    /// Parts of the rate that each request counts for: more while the key asks other servers, too.
     counts_for: AtomicU32,
 }
 

@@ -39,7 +39,7 @@ const EXPIRY_POLL: Duration = Duration::from_mins(1);
 /// The most keys of one database, revoked ones among them.
 const KEYS_MAX: usize = 10_000;
 
-/// How often a key is made anew whose number another server took.
+/// Maximum tries to make a key whose number another server took.
 const CREATED_AGAIN_MAX: u32 = 8;
 
 /// What secrets begin with, so that scanners for leaked secrets can tell them.

@@ -1,4 +1,4 @@
-//! How a map leaves memory, or ends: nobody decides or reads any more.
+//! Leaving: a map leaves memory, or ends; nobody decides or reads any more.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

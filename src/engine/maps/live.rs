@@ -36,7 +36,7 @@ const READS_OF_A_MAP_PER_CORE: usize = 1;
 /// Maximum answers of a map's loop queries that wait for the disk; further ones are not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
 
-/// What is wrong with a database server that does not know what was written.
+/// Reason why a database server that does not know what was written is not believed.
 const BEHIND: &str = "the one that answers is behind the one that was written to";
 
 /// A map that is in memory.

@@ -1,11 +1,11 @@
-//! Standing: by what right this server has a map in memory.
+//! Standing: the right by which this server has a map in memory.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use crate::store::Lease;
 
-/// By what right this server has a map in memory.
+/// The right by which this server has a map in memory.
 #[derive(Debug)]
 pub(in crate::engine) enum Standing {
     /// No other server can have it.
@@ -14,7 +14,7 @@ pub(in crate::engine) enum Standing {
     Owner(Arc<Lease>),
     /// Another server may own it. This one reads a copy, and writes nothing.
     Follower {
-        /// How often the map had been rewritten before it was loaded.
+        /// Rewrites of the map before it was loaded.
         rewrites: i64,
         /// When it was loaded.
         since: Instant,

@@ -194,7 +194,7 @@ pub enum Job {
     AddRelease {
         /// The map, and the one that holds its release.
         maps: (MapKey, MapKey),
-        /// What else is to be said of it.
+        /// The rest of its row.
         row: Box<RowBlock>,
     },
     /// Events of new maps are numbered from above this number.

@@ -1,4 +1,4 @@
-//! Which maps other servers follow, and how long the log of changes is kept for them.
+//! Followed maps: those that other servers follow, and the time for which the log of changes is kept for them.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Pool};
 
-/// What a version changed is kept so long in the log.
+/// Time for which the changes of a version are kept in the log.
 const LOGGED: Duration = Duration::from_mins(1);
 
 /// Returns which of these maps a server follows, and removes what the log need not tell any more.

@@ -32,13 +32,13 @@ const MIGRATIONS: &[Step] = &[Step {
     oldest: 22,
 }];
 
-/// How often a migration is tried: servers that start together on an empty database are in each other's way.
+/// Maximum tries of a migration: servers that start together on an empty database are in each other's way.
 const TRIES: u32 = 10;
 
 /// The time between two tries.
 const TRIED_AGAIN_AFTER: Duration = Duration::from_millis(300);
 
-/// What a database says of its schema.
+/// The schema of a database, as it says itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Found {
     /// Its version; 0 of an empty database.

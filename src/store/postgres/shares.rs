@@ -1,4 +1,4 @@
-//! What servers share of a key's rate, and of a day's budget of models.
+//! Shares: a key's rate and a day's budget of models, among servers.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -6,13 +6,13 @@ use std::time::Duration;
 use crate::store::sql;
 use crate::store::{Store, StoreError};
 
-/// What a server says of its rates counts so long.
+/// Time for which a rate that a server told counts.
 const RATES_LAST: Duration = Duration::from_secs(3);
 
-/// What a day's calls of models may cost.
+/// A limit on a day's calls of models and their cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DayLimit {
-    /// Who pays: 0 is the server, else a key.
+    /// The payer: 0 is the server, else a key.
     pub payer: i64,
     /// The most calls of the day.
     pub calls: Option<i64>,

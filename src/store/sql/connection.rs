@@ -22,7 +22,7 @@ pub enum Engine {
 /// connection: whoever waits for it waits for ever, and with the one writer every map of this server.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// How statements reach a PostgreSQL server.
+/// The manner in which statements reach a PostgreSQL server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::store) enum Statements {
     /// Each connection prepares a statement once, under a name.

@@ -25,7 +25,7 @@ pub(in crate::store) struct QueryAs<T> {
     rows: PhantomData<fn() -> T>,
 }
 
-/// What a server answered to a statement.
+/// The answer of a server to a statement.
 #[derive(Default)]
 struct Answer {
     /// The number of rows that it changed.
