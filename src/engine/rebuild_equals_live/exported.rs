@@ -140,6 +140,29 @@ async fn is_the_same_map_after(requests: Vec<Request>) {
     copy.close().await;
 }
 
+/// A merge whose only keyframe was deleted since changes nothing where it is played again, and its revocation would take
+/// another merge back.
+#[test]
+fn a_merge_whose_keyframes_are_deleted_is_not_exported_nor_is_its_revocation() {
+    let put = |session| Request::Put {
+        name: 0,
+        session,
+        words: Vec::new(),
+        points: Vec::new(),
+        covisible: None,
+        detections: Vec::new(),
+    };
+    let merge = || Request::Merge { session: 0, numbers: None, turned: false };
+    let twice = |last: Vec<Request>| {
+        let mut requests = vec![put(0), merge(), Request::Plates(12), merge()];
+        requests.extend(last);
+        requests
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(is_the_same_map_after(twice(vec![Request::Cull(12)])));
+    runtime.block_on(is_the_same_map_after(twice(vec![Request::RevokeMerge(0), Request::Cull(12)])));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -35,6 +35,7 @@ impl Export {
         let (keyframe, bow) = decode::keyframe(row)?;
         let (seq, session) = (keyframe.seq, keyframe.session);
         self.begun.insert(session);
+        self.merges.add_keyframe(session);
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let features = sql::query(select).bind(self.map).bind(seq.0).fetch_optional(&mut *self.db).await?;
         let observes: Vec<PointId> = keyframe.observes.iter().collect();

@@ -7,6 +7,7 @@ use sqlx::sqlite::SqlitePoolOptions;
 
 use super::history::{History, NewValues};
 use super::introduced::Introduced;
+use super::merge::Merges;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::map::MapProperties;
 use crate::domain::recorded::{NamedDetection, Recorded};
@@ -19,7 +20,6 @@ use crate::store::files::lock::DatabaseLock;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::files::schema;
 use crate::store::rows::operation_rows::{self, Operation};
-use crate::store::rows::session_merge_rows::{MergedSession, session_after};
 use crate::store::rows::{decode, map_rows, model_rows, prior_rows};
 use crate::store::sql::{self, Pool, Row};
 use crate::store::{Store, StoreError};
@@ -40,8 +40,7 @@ pub struct Export {
     pub(super) models: VecDeque<(u64, Recorded)>,
     pub(super) properties: MapProperties,
     pub(super) introduced: Introduced,
-    /// The merges of sessions that were exported, in their order.
-    pub(super) merges: Vec<MergedSession>,
+    pub(super) merges: Merges,
     /// Sessions of which a keyframe was exported.
     pub(super) begun: HashSet<SessionSeq>,
     /// Loops that were exported and not revoked.
@@ -100,7 +99,7 @@ impl Export {
             models: model_rows::by_version(&mut db, map).await?.into(),
             properties,
             introduced: Introduced::of(&mut db, map).await?,
-            merges: Vec::new(),
+            merges: Merges::default(),
             begun: HashSet::new(),
             loops: HashSet::new(),
             pending: VecDeque::new(),
@@ -314,7 +313,7 @@ impl Export {
         let query = sql::query_as(select).bind(self.map).bind(keyframe.0);
         let found: Option<(u32, String)> = query.fetch_optional(&mut *self.db).await?;
         let named = |(session, id): (u32, String)| {
-            Ok((session_after(&self.merges, keyframe, SessionSeq(session)), decode::id(&id)?))
+            Ok((self.merges.session_of(keyframe, SessionSeq(session)), decode::id(&id)?))
         };
         found.map(named).transpose()
     }
