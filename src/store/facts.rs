@@ -50,6 +50,6 @@ pub trait FactSource {
         &mut self,
         id: &MapId,
         order: Order,
-        take: impl FnMut(&[Change]) + Send,
+        take: impl FnMut(Vec<Change>) + Send,
     ) -> impl Future<Output = Result<Option<MapFacts>, StoreError>> + Send;
 }

@@ -145,7 +145,7 @@ impl FactSource for &mut Inspected {
         &mut self,
         id: &MapId,
         order: Order,
-        take: impl FnMut(&[Change]) + Send,
+        take: impl FnMut(Vec<Change>) + Send,
     ) -> Result<Option<MapFacts>, StoreError> {
         load(&mut self.db, id, order, take).await
     }

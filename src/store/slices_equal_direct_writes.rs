@@ -178,7 +178,7 @@ fn changes_of(step: &Step, version: u64) -> Vec<Change> {
 async fn index_of(db: &mut Connection, order: Order) -> MapIndex {
     let mut index = MapIndex::default();
     let id = "map-1".parse().unwrap();
-    let facts = load(db, &id, order, |changes| index.apply(changes)).await.unwrap().unwrap();
+    let facts = load(db, &id, order, |changes| index.apply(&changes)).await.unwrap().unwrap();
     index.reserve(facts.next_keyframe.0, facts.next_anchor.0);
     index
 }

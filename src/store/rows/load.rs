@@ -26,12 +26,15 @@ use crate::store::{Store, StoreError};
 /// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
 const CHUNK: i64 = 256;
 
+/// Detections read at a time. A map has many times more of them than keyframes, and each is small.
+const DETECTIONS: i64 = 4096;
+
 impl FactSource for &Store {
     async fn load(
         &mut self,
         id: &MapId,
         order: Order,
-        take: impl FnMut(&[Change]) + Send,
+        take: impl FnMut(Vec<Change>) + Send,
     ) -> Result<Option<MapFacts>, StoreError> {
         // One read transaction, so that the facts are those of one version of the map.
         let mut db = self.snapshot().await?;
@@ -49,7 +52,7 @@ pub(in crate::store) async fn load(
     db: &mut Db,
     id: &MapId,
     order: Order,
-    take: impl FnMut(&[Change]) + Send,
+    take: impl FnMut(Vec<Change>) + Send,
 ) -> Result<Option<MapFacts>, StoreError> {
     load_rows(db, id, order, take).await.map_err(|error| error.of_map(id))
 }
@@ -58,15 +61,15 @@ async fn load_rows(
     db: &mut Db,
     id: &MapId,
     order: Order,
-    mut take: impl FnMut(&[Change]) + Send,
+    mut take: impl FnMut(Vec<Change>) + Send,
 ) -> Result<Option<MapFacts>, StoreError> {
     let found =
         sql::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
     let Some(row) = found else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
-    take(&[Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
+    take(vec![Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
     if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
-        take(&[Change::VocabularySet(vocabulary.into())]);
+        take(vec![Change::VocabularySet(vocabulary.into())]);
     }
     let sessions = sessions(db, key).await?;
     let merges_of_sessions = session_merge_rows::all(db, key).await?;
@@ -74,39 +77,39 @@ async fn load_rows(
     let next = (row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
     match order {
         Order::Forwards => {
-            take(&sessions);
+            take(sessions);
             load_points(db, key, &known, &mut take).await?;
             load_keyframes(db, key, &mut known, &mut take).await?;
-            take(&model_rows::verdicts(db, key).await?);
-            let anchors = anchors(db, key, &mut known).await?;
-            let priors = prior_rows::all(db, key, &known).await?;
-            let observed = observations(db, key, &known).await?;
+            take(model_rows::verdicts(db, key).await?);
+            take(anchors(db, key, &mut known).await?);
+            take(prior_rows::all(db, key, &known).await?);
+            load_observations(db, key, &known, &mut take).await?;
             let (loops, merges) = loops_and_merges(db, key).await?;
             validate::merges(&loops, &merges, &known)?;
             validate::numbers(next, &loops, &known)?;
-            take(&[anchors, priors, observed].concat());
-            take(&[loops, merges].concat());
+            take(loops);
+            take(merges);
         }
         Order::Backwards => {
-            take(&reversed(sessions));
+            take(reversed(sessions));
             load_keyframes_backwards(db, key, &mut known, &mut take).await?;
-            let anchors = anchors(db, key, &mut known).await?;
-            let observed = observations(db, key, &known).await?;
-            take(&anchors);
-            take(&reversed(prior_rows::all(db, key, &known).await?));
+            take(anchors(db, key, &mut known).await?);
+            let mut observed = Vec::new();
+            load_observations(db, key, &known, &mut |part| observed.extend(part)).await?;
+            take(reversed(prior_rows::all(db, key, &known).await?));
             let (loops, merges) = loops_and_merges(db, key).await?;
-            take(&reversed(merges));
-            take(&reversed(loops));
+            take(reversed(merges));
+            take(reversed(loops));
             for change in reversed(observed) {
-                take(&[change]);
+                take(vec![change]);
             }
             load_points(db, key, &known, &mut take).await?;
-            take(&reversed(model_rows::verdicts(db, key).await?));
+            take(reversed(model_rows::verdicts(db, key).await?));
         }
     }
-    take(&twin_rows::all(db, key).await?);
-    take(&changed_sign_rows::all(db, key).await?);
-    take(&session_merge_rows::open(&known.merges));
+    take(twin_rows::all(db, key).await?);
+    take(changed_sign_rows::all(db, key).await?);
+    take(session_merge_rows::open(&known.merges));
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut known, &mut take).await?;
     let next_kept =
@@ -147,7 +150,7 @@ async fn load_points(
     db: &mut Db,
     key: MapKey,
     known: &Known,
-    take: &mut (impl FnMut(&[Change]) + Send),
+    take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
     let select = "select session, block, points from point_blocks
         where map_key = $1 and (session, block) > ($2, $3) order by session, block limit $4";
@@ -165,7 +168,7 @@ async fn load_points(
                 points.push(Change::PointSet(SessionSeq(*s), id, at));
             }
         }
-        take(&points);
+        take(points);
     }
 }
 
@@ -173,7 +176,7 @@ async fn load_keyframes(
     db: &mut Db,
     key: MapKey,
     known: &mut Known,
-    take: &mut (impl FnMut(&[Change]) + Send),
+    take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
     // An older keyframe may be declared covisible with a younger one, by what its client said later.
     known.keyframes = standing(db, key).await?;
@@ -197,7 +200,7 @@ async fn load_keyframes(
             added.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow)));
             added.extend(global_descriptor(row, seq, known)?);
         }
-        take(&added);
+        take(added);
     }
 }
 
@@ -205,7 +208,7 @@ async fn load_keyframes_backwards(
     db: &mut Db,
     key: MapKey,
     known: &mut Known,
-    take: &mut (impl FnMut(&[Change]) + Send),
+    take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
     known.keyframes = standing(db, key).await?;
     let select = format!(
@@ -223,8 +226,8 @@ async fn load_keyframes_backwards(
             let (mut keyframe, bow) = keyframe(row, known)?;
             let seq = keyframe.seq;
             keyframe.declared = declared_of(&keyframe, &known.keyframes);
-            take(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
-            take(global_descriptor(row, seq, known)?.as_slice());
+            take(vec![Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+            take(Vec::from_iter(global_descriptor(row, seq, known)?));
         }
     }
 }
@@ -282,30 +285,42 @@ async fn anchors(db: &mut Db, key: MapKey, known: &mut Known) -> Result<Vec<Chan
     Ok(changes)
 }
 
-/// Returns what was observed of the anchors.
-async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Change>, StoreError> {
-    let mut observed = Vec::new();
+/// Loads what was observed of the anchors.
+async fn load_observations(
+    db: &mut Db,
+    key: MapKey,
+    known: &Known,
+    take: &mut (impl FnMut(Vec<Change>) + Send),
+) -> Result<(), StoreError> {
     let select = "select keyframe, detection from crops where map_key = $1";
     let crops: Vec<(u32, u16)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
     let mut readings = model_rows::readings(&mut *db, key).await?;
     let mut points = observation_rows::points_of_detections(&mut *db, key).await?;
-    let select =
-        "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
-    for row in sql::query(select).bind(key).fetch_all(&mut *db).await? {
-        let at = (row.try_get("keyframe")?, row.try_get("detection")?);
-        let (number, keyframe) = (at.1, at.0);
-        let mut observation = decode::observation(&row, crops.contains(&at))
-            .map_err(|error| error.of_row(format!("detection {number} of keyframe number {keyframe}")))?;
-        if let Some(points) = points.remove(&at) {
-            observation.map_points = points.into();
+    let select = "select keyframe, detection, anchor, class, confidence, box_px, map_points, position, text, description, range_assumed
+        from detections where map_key = $1 and (keyframe, detection) > ($2, $3) and anchor is not null
+        order by keyframe, detection limit $4";
+    let mut last = (-1_i64, -1_i64);
+    loop {
+        let query = sql::query(select).bind(key).bind(last.0).bind(last.1).bind(DETECTIONS);
+        let rows = query.fetch_all(&mut *db).await?;
+        let Some(row) = rows.last() else { return Ok(()) };
+        last = (row.try_get("keyframe")?, row.try_get("detection")?);
+        let mut observed = Vec::with_capacity(rows.len());
+        for row in &rows {
+            let at: (u32, u16) = (row.try_get("keyframe")?, row.try_get("detection")?);
+            let mut observation = decode::observation(row, crops.contains(&at))
+                .map_err(|error| error.of_row(format!("detection {} of keyframe number {}", at.1, at.0)))?;
+            if let Some(points) = points.remove(&at) {
+                observation.map_points = points.into();
+            }
+            let anchor = AnchorSeq(row.try_get("anchor")?);
+            validate::observation(anchor, row.try_get("class")?, &observation, known)?;
+            observation.crop_reading = readings.remove(&at);
+            observed.push(Change::Observed(anchor, Box::new(observation)));
         }
-        let anchor = AnchorSeq(row.try_get("anchor")?);
-        validate::observation(anchor, row.try_get("class")?, &observation, known)?;
-        observation.crop_reading = readings.remove(&at);
-        observed.push(Change::Observed(anchor, Box::new(observation)));
+        take(observed);
     }
-    Ok(observed)
 }
 
 async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {

@@ -169,7 +169,7 @@ pub(in crate::store) async fn apply(
     db: &mut Connection,
     map: MapKey,
     known: &mut Known,
-    take: &mut (impl FnMut(&[Change]) + Send),
+    take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
     for (version, parts, first) in versions(db, map).await? {
         for number in first..parts {
@@ -188,7 +188,7 @@ pub(in crate::store) async fn apply(
                     known.version = *version;
                 }
             }
-            take(&changes);
+            take(changes);
         }
     }
     Ok(())

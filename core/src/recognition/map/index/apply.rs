@@ -17,7 +17,7 @@ use crate::domain::prior::Prior;
 use crate::geometry::Point3;
 
 /// What a batch of changes has touched.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Touched {
     /// Anchors of which the objects must be derived anew.
     pub(super) anchors: BTreeSet<AnchorSeq>,
@@ -32,11 +32,17 @@ pub(super) struct Touched {
 impl MapIndex {
     /// Applies one request's changes, in their order.
     pub fn apply(&mut self, changes: &[Change]) {
-        let mut touched = Touched::default();
+        let put_off = self.put_off.take();
+        let is_put_off = put_off.is_some();
+        let mut touched = put_off.unwrap_or_default();
         for change in changes {
             self.apply_fact(change, &mut touched);
         }
-        self.derive(touched);
+        if is_put_off {
+            self.put_off = Some(touched);
+        } else {
+            self.derive(touched);
+        }
     }
 
     /// Makes the dense numbers start here: those below were given to facts that are gone.
@@ -145,7 +151,7 @@ impl MapIndex {
         }
     }
 
-    fn derive(&mut self, mut touched: Touched) {
+    pub(super) fn derive(&mut self, mut touched: Touched) {
         let (keyframes, points) = (&self.keyframes, &self.points);
         let session_of =
             |seq: KeyframeSeq| keyframes.get(seq.index()).map_or(SessionSeq(0), |keyframe| keyframe.session);

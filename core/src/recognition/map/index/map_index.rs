@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::{Anchor, Shape};
+use super::apply::Touched;
 use super::changed_signs::ChangedSigns;
 use super::globals::Globals;
 use super::holders::Holders;
@@ -66,6 +67,8 @@ pub struct MapIndex {
     pub(super) open_merges: OpenMerges,
     /// Counts for [`Self::memory_bytes`].
     pub(super) tally: Tally,
+    /// While a map is loaded part by part: what the parts so far touched. Objects are derived at the end.
+    pub(super) put_off: Option<Touched>,
 }
 
 impl MapIndex {
@@ -74,9 +77,18 @@ impl MapIndex {
         self.inverted_file.begin_loading();
     }
 
+    /// Derives objects only once loading ends: an anchor may be observed in every part, and there may be thousands of them. Nothing is
+    /// asked of them before, and no fact that comes by then depends on them.
+    pub fn put_objects_off(&mut self) {
+        self.put_off = Some(Touched::default());
+    }
+
     /// Ends the loading of a map.
     pub fn finish_loading(&mut self) {
         self.inverted_file.finish_loading();
+        if let Some(touched) = self.put_off.take() {
+            self.derive(touched);
+        }
     }
 
     /// Returns the map's description, classes and settings.
