@@ -8,21 +8,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use base64::Engine as _;
-use base64::prelude::BASE64_URL_SAFE_NO_PAD;
-use rand::TryRng as _;
-use rand::rngs::SysRng;
 use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
 use super::access::{Access, HeldKey};
-use super::lockout::{Lockout, WAY_BACK, check_first_key, check_revocation};
-use crate::domain::invalid::FieldError;
-use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
+use crate::domain::key::{Action, Key, KeyProperties, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
 use crate::engine::ServiceError;
-use crate::store::{Job, KeyTable, NewKeyRow, Store, StoreError};
+use crate::store::{KeyTable, Store, StoreError};
 
 /// What another process did is seen after this time at the latest.
 pub(in crate::engine) const POLL_INTERVAL: Duration = Duration::from_secs(1);
@@ -36,15 +30,6 @@ const MAX_UNKNOWN_KEY_LOOKUPS: usize = 32;
 /// An expiry is waited for in steps of this.
 const EXPIRY_POLL: Duration = Duration::from_mins(1);
 
-/// The most keys of one database, revoked ones among them.
-const KEYS_MAX: usize = 10_000;
-
-/// Maximum tries to make a key whose number another server took.
-const CREATED_AGAIN_MAX: u32 = 8;
-
-/// What secrets begin with, so that scanners for leaked secrets can tell them.
-const SECRET_PREFIX: &str = "revisit_";
-
 /// What memory tells of a secret.
 #[derive(Clone, Debug)]
 pub enum Found {
@@ -57,23 +42,23 @@ pub enum Found {
 }
 
 #[derive(Debug, Default)]
-struct Table {
+pub(super) struct Table {
     change: i64,
     by_hash: HashMap<SecretHash, Arc<HeldKey>>,
-    by_seq: BTreeMap<KeySeq, Arc<HeldKey>>,
+    pub(super) by_seq: BTreeMap<KeySeq, Arc<HeldKey>>,
 }
 
 /// The keys of a database; clones share everything.
 #[derive(Clone, Debug)]
 pub struct Keyring {
-    store: Store,
+    pub(super) store: Store,
     table: Arc<RwLock<Arc<Table>>>,
     /// When the disk was last looked at.
     looked: Arc<Mutex<Instant>>,
     /// Those who wait for a look at the disk.
     strangers: Arc<Semaphore>,
     /// Held while a key is made or revoked.
-    changing: Arc<Mutex<()>>,
+    pub(super) changing: Arc<Mutex<()>>,
     /// Counts the times that the table was taken anew.
     taken: watch::Sender<u64>,
     /// Whether a key is wanted even while there is none.
@@ -194,79 +179,6 @@ impl Keyring {
         Ok(Page { items, next_cursor: rest.next().map(|key| key.seq.public()) })
     }
 
-    /// Makes a key.
-    pub async fn create(&self, properties: KeyProperties, lockout: Lockout) -> Result<MadeKey, ServiceError> {
-        check(&properties)?;
-        let _changing = self.changing.lock().await;
-        let mut tries = 0;
-        loop {
-            tries += 1;
-            match self.create_next(properties.clone(), lockout).await {
-                // Another server made one of this number meanwhile.
-                Err((error, Some(seq))) if tries < CREATED_AGAIN_MAX => {
-                    self.reload().await?;
-                    if self.properties(seq).is_none() {
-                        return Err(error);
-                    }
-                }
-                made => return made.map_err(|(error, _)| error),
-            }
-        }
-    }
-
-    /// Makes a key with the number that is next; an error names it, if that may be taken.
-    async fn create_next(
-        &self,
-        properties: KeyProperties,
-        lockout: Lockout,
-    ) -> Result<MadeKey, (ServiceError, Option<KeySeq>)> {
-        let refused = |error: ServiceError| (error, None);
-        self.reload().await.map_err(refused)?;
-        let keys = self.list();
-        let is_first = keys.is_empty();
-        if is_first && lockout == Lockout::Refused {
-            check_first_key(&properties).map_err(refused)?;
-        }
-        check_reach(&properties).map_err(refused)?;
-        if keys.len() >= KEYS_MAX {
-            let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
-            return Err(refused(ServiceError::Conflict { code: "too_many_keys", detail }));
-        }
-        let seq = KeySeq(keys.last().map_or(0, |last| last.seq.0) + 1);
-        let secret = new_secret().map_err(refused)?;
-        let key = Key { seq, properties, created_sec: now().sec, revoked_sec: None };
-        let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
-        let created = self.store.committer().commit(Job::CreateKey(Box::new(row))).await;
-        created.map_err(|error| (error.into(), Some(seq)))?;
-        self.reload().await.map_err(refused)?;
-        tracing::info!(key = %key.seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
-        Ok(MadeKey { key, secret, is_first })
-    }
-
-    /// Revokes a key; revoking it again changes nothing.
-    pub async fn revoke(&self, id: &str, lockout: Lockout) -> Result<Key, ServiceError> {
-        let none = || ServiceError::NotFound(format!("there is no key {id}"));
-        let seq = KeySeq::from_public(id).ok_or_else(none)?;
-        let find = || self.list().into_iter().find(|key| key.seq == seq);
-        // Two requests that each revoke one of the last two keys must not both see the other.
-        let _changing = self.changing.lock().await;
-        self.reload().await?;
-        let found = find().ok_or_else(none)?;
-        if found.revoked_sec.is_some() {
-            return Ok(found);
-        }
-        if lockout == Lockout::Refused {
-            check_revocation(&self.list(), seq, now())?;
-        }
-        self.store.committer().commit(Job::RevokeKey(seq, now().sec)).await?;
-        self.reload().await?;
-        tracing::info!(key = %seq.public(), "a key was revoked");
-        if found.properties.actions.has(Action::Admin) && !self.has_administrator() {
-            tracing::warn!("no key may administer any more: {WAY_BACK}");
-        }
-        find().ok_or_else(none)
-    }
-
     /// Looks whether another process has made or revoked a key.
     pub(in crate::engine) async fn poll_changes(&self) {
         if let Err(error) = self.look().await {
@@ -306,7 +218,7 @@ impl Keyring {
         Ok(())
     }
 
-    async fn reload(&self) -> Result<(), ServiceError> {
+    pub(super) async fn reload(&self) -> Result<(), ServiceError> {
         Ok(self.look().await?)
     }
 
@@ -321,7 +233,7 @@ impl Keyring {
         self.poll_changes().await;
     }
 
-    fn table(&self) -> Arc<Table> {
+    pub(super) fn table(&self) -> Arc<Table> {
         self.table.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
@@ -342,94 +254,8 @@ impl Keyring {
     }
 }
 
-/// Rejects properties that no key can have.
-fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
-    let mut errors = Vec::new();
-    if properties.actions.iter().next().is_none() {
-        errors.push(FieldError::new("/actions", "a key must be good for something"));
-    }
-    if properties.maps.is_empty() {
-        errors.push(FieldError::new("/maps", "no map would exist for this key; leave it out for every map"));
-    }
-    if properties.expires.is_some_and(|expires| expires <= now()) {
-        errors.push(FieldError::new("/expires", "the key would have expired already"));
-    }
-    if errors.is_empty() { Ok(()) } else { Err(ServiceError::Invalid(errors)) }
-}
-
-/// Rejects an administrator's key that does not reach every map: it could make itself one that does.
-fn check_reach(properties: &KeyProperties) -> Result<(), ServiceError> {
-    let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
-    if every || !properties.actions.has(Action::Admin) {
-        return Ok(());
-    }
-    let detail = "an admin key makes keys for any map, so it cannot be kept from some";
-    Err(ServiceError::Invalid(vec![FieldError::new("/maps", detail).limit("[\"*\"]")]))
-}
-
-fn new_secret() -> Result<String, ServiceError> {
-    let mut bytes = [0; 32];
-    let drawn = SysRng.try_fill_bytes(&mut bytes);
-    drawn.map_err(|error| ServiceError::Internal(format!("no random numbers: {error}")))?;
-    Ok(format!("{SECRET_PREFIX}{}", BASE64_URL_SAFE_NO_PAD.encode(bytes)))
-}
-
 /// Returns the server's clock.
 pub(in crate::engine) fn now() -> Stamp {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::domain::key::Actions;
-    use crate::store::test_database::postgres_in;
-
-    #[tokio::test(flavor = "multi_thread")]
-    #[ignore = "needs REVISIT_TEST_POSTGRES"]
-    async fn servers_that_share_a_database_number_keys_once_and_share_their_rates() {
-        let folder = tempfile::tempdir().unwrap();
-        let database = postgres_in(folder.path()).await;
-        let mut keyrings = Vec::new();
-        for _ in 0..2 {
-            let store = Store::open(&database).await.unwrap();
-            keyrings.push(Keyring::open(store, true).await.unwrap());
-        }
-        let properties = KeyProperties {
-            name: "robots".to_owned(),
-            actions: Actions::from_iter([Action::Read]),
-            maps: vec!["*".parse().unwrap()],
-            expires: None,
-            rate_per_s: Some(20),
-            model_daily_calls: None,
-            model_daily_microusd: None,
-        };
-        let making = (0..12).map(|number| {
-            let (keyring, properties) = (keyrings[number % 2].clone(), properties.clone());
-            tokio::spawn(async move { keyring.create(properties, Lockout::Meant).await })
-        });
-        let mut made = Vec::new();
-        for made_by in making.collect::<Vec<_>>() {
-            made.push(made_by.await.unwrap().unwrap());
-        }
-        let mut numbers: Vec<KeySeq> = made.iter().map(|made| made.key.seq).collect();
-        numbers.sort();
-        assert_eq!(numbers, (1..=12).map(KeySeq).collect::<Vec<_>>());
-
-        let held: Vec<Arc<HeldKey>> =
-            keyrings.iter().map(|keyring| keyring.table().by_seq[&KeySeq(1)].clone()).collect();
-        for of_server in &held {
-            let admitted = (0..30).filter(|_| of_server.count().is_ok()).count();
-            assert!(admitted >= 20, "alone, each admits the rate, not {admitted}");
-        }
-        for keyring in [&keyrings[0], &keyrings[1], &keyrings[0]] {
-            keyring.share_rates().await;
-        }
-        // The second one knows of the first one's 20, and the first one of the second's.
-        assert_eq!(held.iter().map(|of_server| of_server.parts_of_a_request()).collect::<Vec<_>>(), [32, 32]);
-        for keyring in keyrings {
-            keyring.store.close().await;
-        }
-    }
 }

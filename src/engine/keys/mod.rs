@@ -3,3 +3,4 @@
 pub mod access;
 pub mod keyring;
 pub mod lockout;
+mod making;
