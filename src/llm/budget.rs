@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use super::daily_limits::{Day, Limits, Payer};
 use super::port::{Fault, Operation};
 use crate::domain::key::KeySeq;
 use crate::store::{DayLimit, Job, Spent, Store, StoreError, UsageRow};
@@ -13,67 +14,6 @@ const SECONDS_A_DAY: u64 = 86_400;
 
 /// The number by which the server itself pays; keys begin with 1.
 const SERVER: i64 = 0;
-
-/// Prices. US dollars per million tokens equal millionths of a dollar per token.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prices {
-    /// Per million input tokens.
-    pub input_usd: f64,
-    /// Per million output tokens.
-    pub output_usd: f64,
-}
-
-impl Prices {
-    /// Returns the cost of tokens, in millionths of a dollar, rounded up.
-    pub fn microusd(self, input_tokens: u64, output_tokens: u64) -> i64 {
-        (input_tokens as f64 * self.input_usd + output_tokens as f64 * self.output_usd).ceil() as i64
-    }
-}
-
-/// Limits per day (UTC).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
-    /// Millionths of a US dollar.
-    pub microusd: Option<i64>,
-    /// Calls.
-    pub calls: Option<i64>,
-}
-
-/// A paying key, with its own limits beside the server's.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Payer {
-    /// The key.
-    pub key: KeySeq,
-    /// Its daily limits.
-    pub limits: Limits,
-}
-
-impl Limits {
-    /// Whether a day's usage exceeds these limits.
-    fn broken_by(self, day: Day) -> bool {
-        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
-        over(self.calls, day.calls) || over(self.microusd, day.microusd)
-    }
-
-    /// Whether a day's usage reaches these limits.
-    fn used_up_by(self, day: Day) -> bool {
-        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum >= limit);
-        over(self.calls, day.calls) || over(self.microusd, day.microusd)
-    }
-}
-
-/// The usage of a day so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Day {
-    calls: i64,
-    microusd: i64,
-}
-
-impl Day {
-    fn and(self, microusd: i64) -> Self {
-        Self { calls: self.calls + 1, microusd: self.microusd + microusd }
-    }
-}
 
 /// Totals of one operation and model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

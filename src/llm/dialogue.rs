@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::budget::Payer;
+use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::judge::class_name;
 use super::parse;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use moka::sync::Cache;
 
-use super::budget::Payer;
+use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};

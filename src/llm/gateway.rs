@@ -12,8 +12,9 @@ use tokio::sync::Semaphore;
 use tracing::Instrument as _;
 
 use super::breaker::Breaker;
-use super::budget::{Budget, Payer, Prices};
+use super::budget::Budget;
 use super::cache::{AnswerCache, key};
+use super::daily_limits::{Payer, Prices};
 use super::picture::Picture;
 use super::port::{Fault, Model, Question, Reply};
 use super::prompts::prompt;

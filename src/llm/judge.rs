@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::budget::Payer;
+use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};

@@ -11,6 +11,7 @@
 //! | calls: cache, budget, breaker, retries, in this order | [`gateway`] |
 //! | cached answers | [`cache`] |
 //! | the daily budget and the usage | [`budget`] |
+//! | limits per day, and prices | [`daily_limits`] |
 //! | cost estimate of a re-evaluation | [`estimate`] |
 //! | the circuit breaker of an unavailable model | [`breaker`] |
 //! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
@@ -28,6 +29,7 @@ pub mod budget;
 pub mod cache;
 #[cfg(feature = "llm")]
 mod configured;
+pub mod daily_limits;
 pub mod dialogue;
 pub mod embeddings;
 mod estimate;

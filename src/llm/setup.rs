@@ -7,8 +7,9 @@ use std::time::Duration;
 use tokio::sync::Semaphore;
 
 use super::breaker::Breaker;
-use super::budget::{Budget, Limits, Prices};
+use super::budget::Budget;
 use super::cache::AnswerCache;
+use super::daily_limits::{Limits, Prices};
 use super::dialogue::Describer;
 use super::embeddings::Embeddings;
 use super::gateway::{Gateway, Policy, RolePrices, Shared};

@@ -8,7 +8,7 @@ use crate::domain::prior::AnchorKey;
 use crate::domain::report::{UsageLine, UsageReport};
 use crate::engine::keys::access::Access;
 use crate::engine::{Service, ServiceError};
-use crate::llm::budget::{Limits, Payer};
+use crate::llm::daily_limits::{Limits, Payer};
 use crate::llm::judge::{Judge, Judged, Merged};
 
 /// Maximum dialogues that an anchor shows, the newest first.
