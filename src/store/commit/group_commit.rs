@@ -1,33 +1,30 @@
-//! Writer: takes jobs from the queue, as many as wait, and commits them.
+//! Writer: takes jobs from the queue, as many as wait, and commits them ([`super::group`]).
 //!
-//! If it was the disk that failed, it is no job's fault and nothing is tried again: the whole group is refused, and what
-//! comes after it, until a commit of the writer's own has passed. That commit also takes the place in the write-ahead
-//! log where the failed one may stand. On a full disk what frees space is tried all the same, with the reserve's space.
+//! Once a disk has failed, jobs are refused until a commit of the writer's own has passed. That commit also takes the place
+//! in the write-ahead log where the failed one may stand. On a full disk what frees space is tried all the same, with the
+//! reserve's space.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use tokio::sync::mpsc;
 use tokio::time::Instant;
-use tracing::{error, warn};
+use tracing::warn;
 
 use super::commit_queue::Committer;
 use super::health::{Disk, Health};
-use super::job::{Job, MapKey};
 use super::lanes::Lanes;
 use super::own_disk::OwnDisk;
-use super::queue::{Counters, Message, Queued, Renewal};
+use super::queue::{Counters, Message, Renewal};
 use super::renewal::renew;
 use super::transaction::Transaction;
-use super::write;
 use crate::store::StoreError;
 use crate::store::files::lock::DatabaseLock;
 use crate::store::postgres::leases::Leases;
 use crate::store::rows::map_rows;
 use crate::store::slices::background::Slices;
-use crate::store::sql::{Connection, Pool};
+use crate::store::sql::Pool;
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
@@ -72,12 +69,12 @@ pub(in crate::store) enum Served {
 }
 
 /// The writer's own side of the queue.
-struct Writer {
-    pool: Pool,
+pub(super) struct Writer {
+    pub(super) pool: Pool,
     disk: Option<OwnDisk>,
-    leases: Option<Arc<Leases>>,
-    counters: Arc<Counters>,
-    health: Health,
+    pub(super) leases: Option<Arc<Leases>>,
+    pub(super) counters: Arc<Counters>,
+    pub(super) health: Health,
     /// Whether this process is the one that serves, and does the background work.
     serves: bool,
 }
@@ -194,106 +191,10 @@ impl Writer {
         }
     }
 
-    async fn release_reserve(&self) {
+    pub(super) async fn release_reserve(&self) {
         if let Some(disk) = &self.disk {
             disk.release_reserve().await;
         }
-    }
-
-    async fn commit_group(&self, group: Vec<Queued>) {
-        let size = group.len() as u64;
-        let mut ready = Vec::new();
-        for queued in group {
-            if queued.broken.load(Ordering::Acquire) {
-                (queued.done)(Err(StoreError::Superseded));
-            } else if let Some(error) = self.health.refuses(queued.job.frees_space()) {
-                queued.fail(error);
-            } else {
-                ready.push(queued);
-            }
-        }
-        if !ready.is_empty() {
-            self.commit_ready(ready).await;
-        }
-        self.counters.waiting.fetch_sub(size, Ordering::Relaxed);
-    }
-
-    async fn commit_ready(&self, group: Vec<Queued>) {
-        if self.health.disk() == Disk::Full {
-            // Only what frees space came this far.
-            self.release_reserve().await;
-        }
-        match self.commit(group.iter().map(|queued| &queued.job)).await {
-            Ok(()) => self.committed(group),
-            Err(error @ (StoreError::Disk(_) | StoreError::Away(_))) => {
-                error!(%error, jobs = group.len(), "the disk failed a group");
-                for queued in group {
-                    queued.fail(error.clone());
-                }
-            }
-            Err(error) => {
-                warn!(%error, jobs = group.len(), "a group did not commit; trying its jobs one by one");
-                for queued in group {
-                    self.commit_alone(queued).await;
-                }
-            }
-        }
-    }
-
-    async fn commit_alone(&self, queued: Queued) {
-        if queued.broken.load(Ordering::Acquire) {
-            return (queued.done)(Err(StoreError::Superseded));
-        }
-        if let Some(error) = self.health.refuses(queued.job.frees_space()) {
-            return queued.fail(error);
-        }
-        if self.health.disk() == Disk::Full {
-            self.release_reserve().await;
-        }
-        match self.commit(std::iter::once(&queued.job)).await {
-            Ok(()) => self.committed(vec![queued]),
-            Err(error) => {
-                error!(%error, "a job did not commit");
-                queued.fail(error);
-            }
-        }
-    }
-
-    fn committed(&self, group: Vec<Queued>) {
-        self.counters.jobs.fetch_add(group.len() as u64, Ordering::Relaxed);
-        for queued in group {
-            (queued.done)(Ok(()));
-        }
-    }
-
-    async fn commit<'j>(&self, jobs: impl Iterator<Item = &'j Job> + Clone) -> Result<(), StoreError> {
-        self.counters.transactions.fetch_add(1, Ordering::Relaxed);
-        let result = self.transact(jobs).await;
-        if let Err(error) = &result {
-            self.health.learn(error);
-        }
-        result
-    }
-
-    async fn transact<'j>(&self, jobs: impl Iterator<Item = &'j Job> + Clone) -> Result<(), StoreError> {
-        let mut transaction = Transaction::write(&self.pool).await?;
-        if let Err(error) = self.execute(&mut transaction, jobs).await {
-            transaction.roll_back().await;
-            return Err(error);
-        }
-        transaction.commit().await
-    }
-
-    async fn execute<'j>(
-        &self,
-        db: &mut Connection,
-        jobs: impl Iterator<Item = &'j Job> + Clone,
-    ) -> Result<(), StoreError> {
-        if let Some(leases) = &self.leases {
-            let maps: BTreeSet<MapKey> = jobs.clone().filter_map(Job::fenced_map).collect();
-            leases.fence(db, &maps.into_iter().collect::<Vec<_>>()).await?;
-        }
-        write::execute(db, jobs).await
     }
 
     /// Looks whether a disk that was full or failed is well again.
@@ -331,6 +232,7 @@ mod tests {
 
     use super::*;
     use crate::domain::map::MapProperties;
+    use crate::store::commit::job::Job;
     use crate::store::commit::queue::PoisonFlag;
     use crate::store::files::disk_reserve::Reserve;
     use crate::store::files::schema;

@@ -3,6 +3,7 @@
 pub(super) mod additions;
 pub(super) mod commit_queue;
 pub(super) mod cost;
+mod group;
 pub(super) mod group_commit;
 pub(super) mod health;
 mod held;

@@ -14,6 +14,7 @@ mod change_form;
 pub(super) mod change_log;
 mod followed;
 mod followers;
+mod form_parts;
 mod key_list;
 pub(super) mod leases;
 pub(super) mod nodes;
