@@ -29,6 +29,9 @@ use crate::store::Node;
 /// The header with the address of the server that has the map: a client may ask it directly from then on.
 const OWNER: HeaderName = HeaderName::from_static("x-revisit-owner");
 
+/// The beginning of routes about one map.
+const OF_MAP: &str = "/v1/maps/{map}";
+
 /// Headers of one connection, which end with it (RFC 9110, section 7.6.1).
 const HOP_BY_HOP: [&str; 8] = [
     "connection",
@@ -44,16 +47,25 @@ const HOP_BY_HOP: [&str; 8] = [
 /// Middleware that sends requests about maps of other servers on, or has a copy answer them, where the client says which
 /// version it has seen.
 pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Response {
+    let Some(route) =
+        request.extensions().get::<MatchedPath>().filter(|route| route.as_str().starts_with(OF_MAP))
+    else {
+        return next.run(request).await;
+    };
+    let route = route.clone();
     let (mut parts, body) = request.into_parts();
-    let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str).to_owned();
+    let min_version = match take_min_version(&mut parts, route.as_str()) {
+        Ok(min_version) => min_version,
+        Err(problem) => return problem.into_response(),
+    };
+    // Most servers are alone, and most requests say nothing: they go on as they are.
+    if app.service.address().is_none() && min_version.is_none() {
+        return next.run(Request::from_parts(parts, body)).await;
+    }
     let Some(map) = map_of(&mut parts).await else {
         return next.run(Request::from_parts(parts, body)).await;
     };
     let forwarded = parts.headers.remove(FORWARDED);
-    let min_version = match take_min_version(&mut parts, &route) {
-        Ok(min_version) => min_version,
-        Err(problem) => return problem.into_response(),
-    };
     let Some(address) = app.service.address().map(str::to_owned) else {
         return here(&app, &map, min_version, Request::from_parts(parts, body), next).await;
     };
@@ -70,7 +82,7 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
             // Else two servers that are full of each other's requests would wait for each other.
             let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
             if let Some(version) = min_version {
-                if is_answered_from_copies(&route) {
+                if is_answered_from_copies(route.as_str()) {
                     match held.release_while(app.following.reach(&map, version)).await {
                         Ok(()) => {
                             request.extensions_mut().insert(FromCopy);
@@ -133,7 +145,7 @@ fn is_answered_from_copies(route: &str) -> bool {
         "/anchors/{anchor}/transcript",
         "/loop-queries",
     ];
-    route.strip_prefix("/v1/maps/{map}").is_some_and(|rest| ROUTES.contains(&rest))
+    route.strip_prefix(OF_MAP).is_some_and(|rest| ROUTES.contains(&rest))
 }
 
 fn with_owner(mut response: Response, address: &str) -> Response {

@@ -110,13 +110,10 @@ impl Service {
                     let detail = "the copy of this map is not up to date; its owner answers".to_owned();
                     return Err(ServiceError::Unavailable { detail, retry_after_s: 1 });
                 }
-                News::Unknown => {
-                    self.followers.count_loaded_anew();
-                    live.throw_away();
-                    self.registry.forget_over(&live.id);
-                    return Ok(());
-                }
-                News::Gone => {
+                news => {
+                    if news == News::Unknown {
+                        self.followers.count_loaded_anew();
+                    }
                     live.throw_away();
                     self.registry.forget_over(&live.id);
                     return Ok(());
