@@ -102,8 +102,15 @@ fn pretty(loaded: &MapIndex, live: &MapIndex) {
     assert!(loaded == live, "another part of the index differs");
 }
 
+/// 64 random sequences, or as many as `PROPTEST_CASES` says. A failing one becomes a test here, not a file beside the sources.
+fn config() -> ProptestConfig {
+    let said = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { said.cases } else { 64 };
+    ProptestConfig { cases, ..said }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn a_rebuilt_index_equals_the_live_one(requests in prop::collection::vec(any_request(), 1..40)) {

@@ -124,7 +124,7 @@ fn values(text: &Text) -> BTreeSet<&str> {
     text.identifiers().iter().map(|identifier| identifier.value.as_str()).collect()
 }
 
-/// Returns a failing case belongs into the golden table, not into a file beside the sources.
+/// 1,024 cases. A failing one belongs into the golden table, not into a file beside the sources.
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 1024, failure_persistence: None, ..ProptestConfig::default() }
 }

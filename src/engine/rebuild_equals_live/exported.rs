@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::requests::{Request, any_request};
 use super::sending::send;
-use super::{open, pretty};
+use super::{config, open, pretty};
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::AnchorKey;
@@ -164,7 +164,7 @@ fn a_merge_whose_keyframes_are_deleted_is_not_exported_nor_is_its_revocation() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn an_exported_map_played_again_is_the_same_map(requests in any_exported()) {

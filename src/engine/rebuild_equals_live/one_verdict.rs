@@ -3,7 +3,7 @@
 use super::Service;
 use super::requests::{Request, any_request, keyframe_id};
 use super::sending::send;
-use super::service_with_map;
+use super::{config, service_with_map};
 use crate::config::models::ModelArgs;
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::roles::Roles;
@@ -55,7 +55,7 @@ async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn one_id_is_one_verdict_under_any_configuration(requests in prop::collection::vec(any_request(), 1..40)) {
