@@ -7,7 +7,7 @@ use sqlx::sqlite::SqlitePoolOptions;
 
 use super::history::{History, NewValues};
 use super::introduced::Introduced;
-use super::merge::Merges;
+use super::merges::Merges;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::map::MapProperties;
 use crate::domain::recorded::{NamedDetection, Recorded};

@@ -7,6 +7,7 @@ use super::map_index::MapIndex;
 use super::objects::Judging;
 use super::objects::MergedAnchor;
 use super::texts::TextIndex;
+use super::touched::Touched;
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, ForgottenParts, Keyframe, Loop, Merge, MergeCause, MovedObservation};
@@ -15,19 +16,6 @@ use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
 use crate::geometry::Point3;
-
-/// What a batch of changes has touched.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Touched {
-    /// Anchors of which the objects must be derived anew.
-    pub(super) anchors: BTreeSet<AnchorSeq>,
-    /// Anchors that lost something, or of which a point moved: their own shape and votes are stale.
-    pub(super) stale: BTreeSet<AnchorSeq>,
-    /// Every object: a setting that decides about all of them changed.
-    all: bool,
-    /// The rules of the numbering: every text is to be parsed anew.
-    rules: bool,
-}
 
 impl MapIndex {
     /// Applies one request's changes, in their order.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::apply::Touched;
 use super::map_index::MapIndex;
+use super::touched::Touched;
 use crate::domain::change::{Change, Keyframe, PointsOfKeyframe};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 

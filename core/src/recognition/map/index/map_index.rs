@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::{Anchor, Shape};
-use super::apply::Touched;
 use super::changed_signs::ChangedSigns;
 use super::globals::Globals;
 use super::holders::Holders;
@@ -16,6 +15,7 @@ use super::readings::Readings;
 use super::sign_grid::SignGrid;
 use super::tally::Tally;
 use super::texts::TextIndex;
+use super::touched::Touched;
 use super::verdicts::Verdicts;
 use crate::domain::bow::Score;
 use crate::domain::change::{Keyframe, Loop, MissedSign, Twins};

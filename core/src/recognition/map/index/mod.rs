@@ -23,6 +23,7 @@ mod readings;
 mod sign_grid;
 mod tally;
 mod texts;
+mod touched;
 mod verdicts;
 mod votes;
 mod way;

@@ -1,0 +1,18 @@
+//! Objects that changes have touched, which are derived anew.
+
+use std::collections::BTreeSet;
+
+use crate::domain::ids::AnchorSeq;
+
+/// What a batch of changes has touched.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Touched {
+    /// Anchors of which the objects must be derived anew.
+    pub(super) anchors: BTreeSet<AnchorSeq>,
+    /// Anchors that lost something, or of which a point moved: their own shape and votes are stale.
+    pub(super) stale: BTreeSet<AnchorSeq>,
+    /// Every object: a setting that decides about all of them changed.
+    pub(super) all: bool,
+    /// The rules of the numbering: every text is to be parsed anew.
+    pub(super) rules: bool,
+}
