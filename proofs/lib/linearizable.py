@@ -118,14 +118,15 @@ def of_time(name, all_operations):
             yield kind, f"{name}: {what} has version {version}, and began {began - newest[1]:.6f} s after {newest[4]} ended with {newest[2]}"
 
 
-def invented(draw, maps=3, length=400):
-    """Makes up a history without a fault: each operation takes effect at a moment between its two times."""
+def invented(draw, maps=3, length=400, wait=3.3):
+    """Makes up a history without a fault: each operation takes effect at a moment between its two times, on average so long after the
+    first and before the second. One takes effect each second."""
     writes, reads, stored = [], [], {}
     for number in range(maps):
         name, kept = f"m-{number}", Stored(CREATED)
         stored[name] = kept
         for moment in range(length):
-            began, ended = moment - draw.expovariate(0.3), moment + draw.expovariate(0.3)
+            began, ended = moment - draw.expovariate(1 / wait), moment + draw.expovariate(1 / wait)
             if draw.random() < 0.5:
                 reads.append(Read(name, began, ended, kept.version, kept.version - CREATED))
                 continue

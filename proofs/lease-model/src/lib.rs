@@ -13,6 +13,7 @@
 //! | [`fold`] | states that behave alike become one, so that time, epochs and versions need no limit |
 //! | [`cluster`] | the model that the checker runs |
 //! | [`account`] | a counterexample in sentences |
+//! | [`history`] | histories of the real servers, judged by a search: a second opinion for `proofs/cluster` |
 //! | [`cases`] | the runs of `proofs/lease`, and the outcome that each must have |
 
 pub mod account;
@@ -20,6 +21,7 @@ pub mod action;
 pub mod cases;
 pub mod cluster;
 pub mod fold;
+pub mod history;
 pub mod rules;
 pub mod state;
 pub mod steps;
