@@ -8,20 +8,20 @@ CHUNK = 1 << 16
 
 
 class Relay:
-    """Relays connections to a port of this machine until it is cut. `address` is where it listens.
+    """Relays connections to a port of this machine until it is cut. `address` is where it listens, at `host`.
 
     Ways to cut it: `silent` carries nothing any more, `deaf` carries requests but no answers, and `closed` ends all connections and
     begins none. What is sent during the first two arrives late, when the relay is restored, unless its sender closed the connection
     and the receiver no longer reads: as TCP does it after an interruption that is shorter than its timeouts.
     """
 
-    def __init__(self, port):
+    def __init__(self, port, host="127.0.0.1"):
         self.to = "127.0.0.1", port
         self.lock, self.pairs = threading.Lock(), set()
         self.is_closed, self.requests, self.answers = False, threading.Event(), threading.Event()
         self.restore()
-        self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
-        self.address = "127.0.0.1:{}".format(self.listener.getsockname()[1])
+        self.listener = socket.create_server((host, 0), backlog=64)
+        self.address = "{}:{}".format(*self.listener.getsockname())
         threading.Thread(target=self.accept, daemon=True).start()
 
     def cut(self, how):

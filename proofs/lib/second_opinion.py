@@ -1,7 +1,9 @@
 """A second opinion on histories: stateright's search over every order of operations, on parts of a history that are short enough.
 
 `linearizable.py` trusts the versions that answers name, and judges a whole history in one pass. The search knows only that each write makes the
-next version. A part begins and ends at moments when no operation on its map was under way.
+next version. A part begins and ends at moments when no operation on its map was under way. Where there is none for long, as while a server is
+stopped, it is the operations of some successive versions: what such a part says of their order has to hold, and the order of two parts is
+judged by `linearizable.py` only.
 """
 
 import os
@@ -37,11 +39,26 @@ def parts(name, of_map):
 
 
 def written(lines, name, before, part):
-    if len(part) > PART_MAX:
-        return len(part)
-    lines.append(f"window {name} {before}")
-    lines += [f"{'w' if is_write else 'r'} {began!r} {ended!r} {version}" for began, ended, version, is_write, _ in part]
-    return 0
+    """Adds the lines of a part, or of smaller ones by version, and returns how many operations are in none."""
+    if len(part) <= PART_MAX:
+        lines.append(f"window {name} {before}")
+        lines += [f"{'w' if is_write else 'r'} {began!r} {ended!r} {version}" for began, ended, version, is_write, _ in part]
+        return 0
+    of_version = {}
+    for operation in part:
+        of_version.setdefault(operation[2], []).append(operation)
+    left_out, smaller = 0, []
+    for version, its_operations in sorted(of_version.items()):
+        if smaller and len(smaller) + len(its_operations) > PART_MAX:
+            left_out, smaller = left_out + written(lines, name, before, smaller), []
+        if len(its_operations) > PART_MAX:
+            left_out += len(its_operations)
+            continue
+        if not smaller:
+            # Before its write, if it is among them.
+            before = version - any(is_write for *_, is_write, _ in its_operations)
+        smaller += its_operations
+    return left_out + (written(lines, name, before, smaller) if smaller else 0)
 
 
 def second_opinion(writes, reads, stored, folder):
