@@ -1,10 +1,11 @@
 //! What a word is worth: proper to one object, descriptive, generic, or mere grammar.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use crate::semantics::lexicon::generic;
 use crate::semantics::lexicon::role;
+use crate::semantics::lexicon::word_list::WordList;
 
 /// The worth of a word, most telling first. The order is also the global token order of the blocking keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,18 +41,17 @@ pub fn stem(word: &str) -> String {
 
 /// Whether this is a "no" or "not".
 pub fn negates(word: &str) -> bool {
-    static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| NEGATIONS.split_whitespace().collect());
-    WORDS.contains(word)
+    NEGATIONS.has(word)
 }
 
 /// Whether this word says that the writer could not tell.
 pub fn is_unsure(stem: &str) -> bool {
-    UNSURE.split_whitespace().any(|u| u == stem)
+    UNSURE.has(stem)
 }
 
 /// Returns a verb or adjective that says the writer could not tell, when it is negated: "cannot *read*".
 pub fn is_unsure_when_negated(stem: &str) -> bool {
-    PERCEPTION.split_whitespace().any(|p| p == stem)
+    PERCEPTION.has(stem)
 }
 
 /// Splits a run of Han, Kana or Hangul into words of the dictionary, the longest first. None if something is left over.
@@ -75,17 +75,23 @@ fn is_known(word: &str) -> bool {
     listed(word).is_some() || negates(word)
 }
 
-const NEGATIONS: &str = "no not none never without cannot can't don't doesn't isn't aren't won't non nor unable \
+static NEGATIONS: WordList = WordList::of(
+    "no not none never without cannot can't don't doesn't isn't aren't won't non nor unable \
     prohibited forbidden kein keine keinen nicht ohne verboten pas sans interdit interdite sin prohibido prohibida vietato vietata divieto proibido proibida \
     verboden forbudt forbjudet zakaz zakazan yasak yasaktir запрещено запрещен воспрещен воспрещено απαγορευεται ممنوع אסור dilarang \
-    禁止 严禁 嚴禁 请勿 請勿 금지 ห้าม";
+    禁止 严禁 嚴禁 请勿 請勿 금지 ห้าม",
+);
 
-const UNSURE: &str = "unknown unclear unsure uncertain illegible unreadable unrecognizable unrecognisable indistinct \
+static UNSURE: WordList = WordList::of(
+    "unknown unclear unsure uncertain illegible unreadable unrecognizable unrecognisable indistinct \
     undefined undetermined unidentified indiscernible blurry blurred nothing null nil nan na unleserlich unbekannt \
-    illisible inconnu ilegible desconocido 不明";
+    illisible inconnu ilegible desconocido 不明",
+);
 
-const PERCEPTION: &str = "know read see tell say determine identify recognize recognise recognizable recognisable visible \
-    legible readable discernible sure clear certain available applicable detected found text";
+static PERCEPTION: WordList = WordList::of(
+    "know read see tell say determine identify recognize recognise recognizable recognisable visible \
+    legible readable discernible sure clear certain available applicable detected found text",
+);
 
 const FUNCTION: &str = "a an the of on in at to from by for with within into onto and or as is are was were be been being it its \
     this that these those there here has have had do does can could may might will would which who what where when \
@@ -134,8 +140,10 @@ const DESCRIPTIVE: &str = "big large small little tall short long wide narrow th
     another main abstract";
 
 /// Materials and numbers, of which a thing has one as it has one colour.
-pub(in crate::semantics) const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
-    ceramic golden two three four five six seven eight nine ten";
+pub(in crate::semantics) static LOOKS: WordList = WordList::of(
+    "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
+    ceramic golden two three four five six seven eight nine ten",
+);
 
 static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
     let lists = [

@@ -27,7 +27,7 @@ pub fn class_of(stem: &str) -> Class {
 
 /// Whether a stem is a colour, material or number: what a thing has one of.
 pub fn is_look(stem: &str) -> bool {
-    class_of(stem) == Class::Colour || dictionary::LOOKS.split_whitespace().any(|look| look == stem)
+    class_of(stem) == Class::Colour || dictionary::LOOKS.has(stem)
 }
 
 /// Returns the generic word of which a stem is a misreading; none if it is a word itself.

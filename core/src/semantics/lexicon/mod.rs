@@ -5,4 +5,5 @@ pub mod generic;
 pub mod misreading;
 pub mod role;
 pub mod stable_hash;
+pub mod word_list;
 pub mod words;

@@ -1,5 +1,8 @@
 //! Directions a text points in, by word or arrow.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use crate::semantics::lexicon::words::Word;
 
 /// A set of directions, one bit each.
@@ -79,5 +82,9 @@ pub fn is_direction(stem: &str) -> bool {
 }
 
 fn bit(word: &str) -> Option<u16> {
-    WORDS.iter().position(|words| words.split(' ').any(|w| w == word)).map(|i| 1 << i)
+    static BITS: LazyLock<HashMap<&str, u16>> = LazyLock::new(|| {
+        let words = WORDS.iter().enumerate();
+        words.flat_map(|(i, words)| words.split(' ').map(move |word| (word, 1 << i))).collect()
+    });
+    BITS.get(word).copied()
 }

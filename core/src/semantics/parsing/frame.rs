@@ -10,32 +10,40 @@ use std::sync::LazyLock;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::misreading;
 use crate::semantics::lexicon::role;
+use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::parsing::normalise::bare;
 
 /// Media of pictures: a frame unless it stands before a noun or number of its own ("photo booth", "painting 12").
-const MEDIA: &str = "picture painting photo photograph poster print image drawing artwork portrait canvas sketch illustration \
+static MEDIA: WordList = WordList::of(
+    "picture painting photo photograph poster print image drawing artwork portrait canvas sketch illustration \
     depiction mural watercolor watercolour snapshot engraving etching fresco tapestry view scene closeup frame \
-    bild gemalde foto tableau peinture affiche dessin cuadro pintura imagen quadro dipinto immagine schilderij afbeelding";
+    bild gemalde foto tableau peinture affiche dessin cuadro pintura imagen quadro dipinto immagine schilderij afbeelding",
+);
 
 /// Things that carry a text: a frame before a verb ("a sign that reads exit"), else a thing ("a sign with a red border").
-const CARRIERS: &str = "sign signage plate plaque label board panel placard notice";
+static CARRIERS: WordList = WordList::of("sign signage plate plaque label board panel placard notice");
 
 /// The verbs and links that make a frame of a carrier.
-const READS: &str = "that which read reading say saying show showing display displaying indicate indicating state stating \
-    bearing labeled labelled marked titled";
+static READS: WordList = WordList::of(
+    "that which read reading say saying show showing display displaying indicate indicating state stating \
+    bearing labeled labelled marked titled",
+);
 
 /// Nouns between a verb and the text itself: "with the text exit".
-const TEXTS: &str = "text word inscription caption lettering";
+static TEXTS: WordList = WordList::of("text word inscription caption lettering");
 
 /// Positions of an object in the picture, after a preposition: "in front of", "on the wall".
-const POSITIONS: &str = "front back wall background foreground middle center centre distance top";
+static POSITIONS: WordList =
+    WordList::of("front back wall background foreground middle center centre distance top");
 
 const PREPOSITIONS: [&str; 8] = ["in", "on", "at", "against", "from", "to", "onto", "near"];
 const ARTICLES: [&str; 3] = ["the", "a", "an"];
 const LINKS: [&str; 5] = ["of", "is", "are", "with", "on"];
 const MANNERS: [&str; 2] = ["framed", "oil"];
-const OPENINGS: &str = "there here this it show showing depict depicting display displaying feature featuring read reading say \
-    saying";
+static OPENINGS: WordList = WordList::of(
+    "there here this it show showing depict depicting display displaying feature featuring read reading say \
+    saying",
+);
 
 /// The words of a text that only frame it.
 #[derive(Clone, Debug)]
@@ -81,7 +89,7 @@ pub fn framed<'w, 't>(words: &'w [&'t str]) -> &'w [&'t str] {
     let len = bare.len();
     let opening = (0..len).take_while(|at| frames(*at)).count();
     let closing = (opening..len).rev().take_while(|at| frames(*at)).count();
-    let opens = |at: usize| frame.leaves_out(at) || contains(OPENINGS, bare[at]);
+    let opens = |at: usize| frame.leaves_out(at) || OPENINGS.has(bare[at]);
     // What follows the link belongs to what is framed: "a picture of the Turing machine" names a Turing.
     let first = (0..opening).rev().find(|at| opens(*at)).map_or(0, |last| {
         let links: &[&str] = if frame.leaves_out(last) { &LINKS } else { &["is", "are"] };
@@ -105,12 +113,12 @@ impl<F: Fn(usize) -> bool> Words<'_, F> {
         let next = self.next(at);
         let in_grammar = next.is_none_or(|next| is_grammar(&self.stems[next]) && !self.is_label(next));
         match stem {
-            _ if contains(POSITIONS, stem) => in_grammar && self.is_position(at),
+            _ if POSITIONS.has(stem) => in_grammar && self.is_position(at),
             "close" => next.is_some_and(|next| ["to", "up"].contains(&self.bare[next])),
             _ if MANNERS.contains(&stem) => before_frame || (stem == "oil" && self.is_on_canvas(at)),
-            _ if contains(MEDIA, stem) => in_grammar || before_frame,
-            _ if contains(CARRIERS, stem) => next.is_some_and(|next| contains(READS, &self.stems[next])),
-            _ if contains(TEXTS, stem) => self.is_after_with(at) && !in_grammar,
+            _ if MEDIA.has(stem) => in_grammar || before_frame,
+            _ if CARRIERS.has(stem) => next.is_some_and(|next| READS.has(&self.stems[next])),
+            _ if TEXTS.has(stem) => self.is_after_with(at) && !in_grammar,
             _ => false,
         }
     }
@@ -144,14 +152,13 @@ impl<F: Fn(usize) -> bool> Words<'_, F> {
 pub fn begins_position(bare: &[String]) -> bool {
     let mut words = bare.iter().map(String::as_str);
     let is_preposition = words.next().is_some_and(|word| PREPOSITIONS.contains(&word));
-    is_preposition
-        && words.find(|word| !ARTICLES.contains(word)).is_some_and(|word| contains(POSITIONS, word))
+    is_preposition && words.find(|word| !ARTICLES.contains(word)).is_some_and(|word| POSITIONS.has(word))
 }
 
 /// Whether a word is left out of the judgement in a frame.
 pub fn is_noun(stem: &str) -> bool {
     static NOUNS: LazyLock<HashSet<&str>> = LazyLock::new(|| {
-        let lists = [MEDIA, CARRIERS, TEXTS, POSITIONS].into_iter().flat_map(str::split_whitespace);
+        let lists = [&MEDIA, &CARRIERS, &TEXTS, &POSITIONS].into_iter().flat_map(WordList::iter);
         lists.chain(MANNERS).chain(["close", "canva"]).collect()
     });
     NOUNS.contains(stem)
@@ -160,10 +167,6 @@ pub fn is_noun(stem: &str) -> bool {
 /// Grammar says nothing, a "no" only of something else.
 fn is_grammar(stem: &str) -> bool {
     misreading::class_of(stem) == Class::Function || dictionary::negates(stem)
-}
-
-fn contains(list: &str, word: &str) -> bool {
-    list.split_whitespace().any(|listed| listed == word)
 }
 
 #[cfg(test)]

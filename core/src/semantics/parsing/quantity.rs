@@ -1,5 +1,6 @@
 //! Quantities: numbers that measure, count, date, price or dial, and so name nothing.
 
+use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::parsing::token::{Kind, Token};
 
 /// Returns how many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
@@ -32,19 +33,22 @@ pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: boo
 
 const DIALLED: [&str; 7] = ["tel", "phone", "telephone", "telefon", "call", "fax", "mobile"];
 
-const UNITS: &str = "% \u{b0} m cm mm km g kg mg l ml v kv w kw mw hz khz mhz ghz px ft feet foot inch inche inches meter meters metre \
+static UNITS: WordList = WordList::of(
+    "% \u{b0} m cm mm km g kg mg l ml v kv w kw mw hz khz mhz ghz px ft feet foot inch inche inches meter meters metre \
     metres centimeter centimeters centimetre centimetres kilometer kilometers kilogram kilograms litre litres liter liters volt volts \
     watt watts percent degree degrees second seconds minute minutes hour hours day days week weeks month months year years \
-    sec min h am pm uhr lb lbs oz mph db gb mb tb mah m2 m3 meters² mio million times euro euros eur usd dollar dollars chf yen";
+    sec min h am pm uhr lb lbs oz mph db gb mb tb mah m2 m3 meters² mio million times euro euros eur usd dollar dollars chf yen",
+);
 
 /// Units that people glue to the number. "12a" and "3g" are rooms, so most single letters are missing.
-const GLUED_UNITS: &str =
-    "m cm mm km kg ml v kv w kw hz khz px ft gb mb tb mah am pm min sec db lbs oz mph m2 m3 st nd rd th";
+static GLUED_UNITS: WordList = WordList::of(
+    "m cm mm km kg ml v kv w kw hz khz px ft gb mb tb mah am pm min sec db lbs oz mph m2 m3 st nd rd th",
+);
 
 const COUNTED: [&str; 7] = ["people", "men", "women", "children", "person", "different", "other"];
 
 fn is_unit(word: &str) -> bool {
-    UNITS.split_whitespace().any(|unit| unit == word)
+    UNITS.has(word)
 }
 
 fn is_currency(word: &str) -> bool {
@@ -83,7 +87,7 @@ fn has_unit(code: &str) -> bool {
     let unit = code.trim_start_matches(|c: char| c.is_ascii_digit() || ".,".contains(c));
     let digits = code.len() - unit.len();
     let fits = unit.len() > 1 || digits <= if unit == "m" { 2 } else { 3 };
-    digits > 0 && fits && GLUED_UNITS.split_whitespace().any(|glued| glued == unit)
+    digits > 0 && fits && GLUED_UNITS.has(unit)
 }
 
 /// Returns a year only where a word says so: 2014 alone may be a room.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::parsed_readings::ParsedReadings;
 use super::points::Points;
 use super::votes::Votes;
 use crate::domain::anchor::Observation;
@@ -100,19 +101,30 @@ impl Anchor {
     }
 
     /// One more observation, by a keyframe of this session.
-    pub fn observe(&mut self, observation: Observation, session: SessionSeq, points: &Points) {
-        self.votes.add(&observation);
+    pub fn observe(
+        &mut self,
+        observation: Observation,
+        session: SessionSeq,
+        points: &Points,
+        parsed: &mut ParsedReadings,
+    ) {
+        self.votes.add(&observation, parsed);
         self.shapes.entry(session).or_default().add(&observation, session, points);
         self.observations.insert((observation.keyframe, observation.detection), observation);
     }
 
     /// Takes shape and votes anew from the observations: after a point moved, or a keyframe is gone.
-    pub fn refresh(&mut self, session_of: impl Fn(KeyframeSeq) -> SessionSeq, points: &Points) {
+    pub fn refresh(
+        &mut self,
+        session_of: impl Fn(KeyframeSeq) -> SessionSeq,
+        points: &Points,
+        parsed: &mut ParsedReadings,
+    ) {
         self.votes = Votes::default();
         self.shapes.clear();
         self.place_prior();
         for observation in self.observations.values() {
-            self.votes.add(observation);
+            self.votes.add(observation, parsed);
             let session = session_of(observation.keyframe);
             self.shapes.entry(session).or_default().add(observation, session, points);
         }

@@ -118,9 +118,9 @@ impl MapIndex {
                 if let Some(anchor) = self.anchors.get_mut(read.anchor.index())
                     && let Some(observation) = anchor.observations.get_mut(&(read.keyframe, read.detection))
                 {
-                    self.readings.remove(&anchor.class, read.anchor, observation);
+                    self.readings.remove(&anchor.class, read.anchor, observation, &mut touched.parsed);
                     observation.crop_reading = Some(read.reading.clone());
-                    self.readings.add(&anchor.class, read.anchor, observation);
+                    self.readings.add(&anchor.class, read.anchor, observation, &mut touched.parsed);
                     touched.stale.insert(read.anchor);
                 }
             }
@@ -146,7 +146,7 @@ impl MapIndex {
         for seq in &touched.stale {
             if let Some(anchor) = self.anchors.get_mut(seq.index()) {
                 self.holders.release(&anchor.shapes, *seq);
-                anchor.refresh(session_of, points);
+                anchor.refresh(session_of, points, &mut touched.parsed);
                 self.holders.hold_all(&anchor.shapes, *seq);
             }
         }
@@ -315,7 +315,7 @@ impl MapIndex {
                 let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
                 for (_, observation) in gone {
                     self.tally.remove_observation(&observation);
-                    self.readings.remove(&class, holder, &observation);
+                    self.readings.remove(&class, holder, &observation, &mut touched.parsed);
                 }
             }
             touched.stale.insert(holder);
@@ -348,9 +348,9 @@ impl MapIndex {
         };
         let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
         self.holders.hold(session, &observation.map_points, seq);
-        anchor.observe(observation.clone(), session, &self.points);
+        anchor.observe(observation.clone(), session, &self.points, &mut touched.parsed);
         self.tally.add_observation(observation);
-        self.readings.add(&anchor.class, seq, observation);
+        self.readings.add(&anchor.class, seq, observation, &mut touched.parsed);
         self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);
         touched.anchors.insert(seq);
     }
@@ -360,7 +360,7 @@ impl MapIndex {
         let Some(anchor) = self.anchors.get_mut(from.index()) else { return };
         let Some(observation) = anchor.observations.remove(&(keyframe, detection)) else { return };
         self.tally.remove_observation(&observation);
-        self.readings.remove(&anchor.class, from, &observation);
+        self.readings.remove(&anchor.class, from, &observation, &mut touched.parsed);
         let mut others = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
         if others.next().is_none()
             && let Some(seen) = self.seen_by.get_mut(keyframe.index())
@@ -378,7 +378,7 @@ impl MapIndex {
         self.holders.release(&anchor.shapes, seq);
         for observation in anchor.observations.values() {
             self.tally.remove_observation(observation);
-            self.readings.remove(&anchor.class, seq, observation);
+            self.readings.remove(&anchor.class, seq, observation, &mut touched.parsed);
         }
         for keyframe in anchor.keyframes() {
             if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {

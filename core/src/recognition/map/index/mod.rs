@@ -17,6 +17,7 @@ mod memory;
 mod objects;
 mod odometer;
 mod open_merges;
+mod parsed_readings;
 mod points;
 mod priors;
 mod readings;

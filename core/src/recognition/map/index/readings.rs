@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
+use super::parsed_readings::ParsedReadings;
 use crate::domain::anchor::Observation;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::Settings;
@@ -91,9 +92,15 @@ impl Readings {
     }
 
     /// A detection that feeds an anchor has been read.
-    pub(super) fn add(&mut self, class: &str, anchor: AnchorSeq, observation: &Observation) {
+    pub(super) fn add(
+        &mut self,
+        class: &str,
+        anchor: AnchorSeq,
+        observation: &Observation,
+        parsed: &mut ParsedReadings,
+    ) {
         for reading in readings(observation) {
-            self.change(class, &reading, |sightings| {
+            self.change(class, &parsed.of(reading).gist, |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Err(at) = sightings.binary_search(&sighting) {
                     sightings.insert(at, sighting);
@@ -103,9 +110,15 @@ impl Readings {
     }
 
     /// The detection is gone, or is about to be read anew.
-    pub(super) fn remove(&mut self, class: &str, anchor: AnchorSeq, observation: &Observation) {
+    pub(super) fn remove(
+        &mut self,
+        class: &str,
+        anchor: AnchorSeq,
+        observation: &Observation,
+        parsed: &mut ParsedReadings,
+    ) {
         for reading in readings(observation) {
-            self.change(class, &reading, |sightings| {
+            self.change(class, &parsed.of(reading).gist, |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Ok(at) = sightings.binary_search(&sighting) {
                     sightings.remove(at);
@@ -114,12 +127,15 @@ impl Readings {
         }
     }
 
-    fn change(&mut self, class: &str, text: &Text, change: impl FnOnce(&mut Vec<Sighting>)) {
+    fn change(&mut self, class: &str, gist: &str, change: impl FnOnce(&mut Vec<Sighting>)) {
         if !self.by_class.contains_key(class) {
             self.by_class.insert(class.into(), OfClass::default());
         }
         let Some(of_class) = self.by_class.get_mut(class) else { return };
-        let sightings = of_class.sightings.entry(text.gist().into()).or_default();
+        if !of_class.sightings.contains_key(gist) {
+            of_class.sightings.insert(gist.into(), Vec::new());
+        }
+        let Some(sightings) = of_class.sightings.get_mut(gist) else { return };
         let before = is_alike(sightings);
         // Few on the way from one keyframe to two; those of a text that hangs everywhere stay untouched.
         let concerned: Vec<AnchorSeq> =
@@ -129,7 +145,7 @@ impl Readings {
         if before != now {
             self.touched.extend(concerned);
             self.touched.extend(sightings.iter().map(|(.., anchor)| *anchor));
-            if let Some(shape) = Shape::of(text.gist()) {
+            if let Some(shape) = Shape::of(gist) {
                 let values = of_class.alike.entry(shape.clone()).or_default();
                 *values = if now { *values + 1 } else { *values - 1 };
                 if *values == 0 {
@@ -138,8 +154,8 @@ impl Readings {
                 self.open.insert(class.into());
             }
         }
-        if of_class.sightings.get(text.gist()).is_some_and(Vec::is_empty) {
-            of_class.sightings.remove(text.gist());
+        if of_class.sightings.get(gist).is_some_and(Vec::is_empty) {
+            of_class.sightings.remove(gist);
             if of_class.sightings.is_empty() {
                 self.open.insert(class.into());
             }
@@ -184,9 +200,9 @@ fn is_alike(sightings: &[Sighting]) -> bool {
 }
 
 /// Returns the texts that an observation was read as: by the client, by a model, or both.
-fn readings(observation: &Observation) -> impl Iterator<Item = Text> {
+fn readings(observation: &Observation) -> impl Iterator<Item = &str> {
     let by_client = observation.reading.as_deref();
     let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);
     let by_model = by_model.filter(|text| by_client != Some(text));
-    by_client.into_iter().chain(by_model).map(Text::parse)
+    by_client.into_iter().chain(by_model)
 }

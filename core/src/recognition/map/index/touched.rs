@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::parsed_readings::ParsedReadings;
 use crate::domain::ids::AnchorSeq;
 
 /// What a batch of changes has touched.
@@ -15,4 +16,6 @@ pub(super) struct Touched {
     pub(super) all: bool,
     /// The rules of the numbering: every text is to be parsed anew.
     pub(super) rules: bool,
+    /// Not touched, but met: the texts that were parsed for the batch.
+    pub(super) parsed: ParsedReadings,
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::parsed_readings::{ParsedReading, ParsedReadings};
 use crate::domain::anchor::Observation;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::report::ReadingReport;
@@ -59,38 +60,44 @@ impl Elected<'_> {
 
 impl Votes {
     /// Counts one observation's reading, if it has one.
-    pub fn add(&mut self, observation: &Observation) {
+    pub fn add(&mut self, observation: &Observation, parsed: &mut ParsedReadings) {
         if let Some(reading) = &observation.reading {
-            self.add_reading(observation, reading, observation.described);
+            self.add_reading(observation, reading, observation.described, &parsed.of(reading));
         }
         if let Some(read) = &observation.crop_reading {
-            self.add_reading(observation, &read.text, read.described && !read.degraded);
+            let described = read.described && !read.degraded;
+            self.add_reading(observation, &read.text, described, &parsed.of(&read.text));
         }
     }
 
-    fn add_reading(&mut self, observation: &Observation, reading: &str, described: bool) {
-        let text = Text::parse(reading);
+    fn add_reading(
+        &mut self,
+        observation: &Observation,
+        reading: &str,
+        described: bool,
+        parsed: &ParsedReading,
+    ) {
         let vote = Tally {
-            informative: text.information_level() > 1,
+            informative: parsed.is_informative,
             described,
             units: (observation.confidence * UNITS_PER_CONFIDENCE).round() as u64,
             count: 1,
             newest: (observation.keyframe, observation.detection),
             text: reading.into(),
         };
-        self.count(text.normalised().into(), vote);
+        self.count(&parsed.normalised, vote);
     }
 
     /// Counts all votes of another anchor, which is the same object.
     pub fn add_all(&mut self, other: &Self) {
         for (normalised, tally) in &other.tallies {
-            self.count(normalised.clone(), tally.clone());
+            self.count(normalised, tally.clone());
         }
     }
 
-    fn count(&mut self, normalised: Box<str>, vote: Tally) {
-        let Some(tally) = self.tallies.get_mut(&normalised) else {
-            self.tallies.insert(normalised, vote);
+    fn count(&mut self, normalised: &str, vote: Tally) {
+        let Some(tally) = self.tallies.get_mut(normalised) else {
+            self.tallies.insert(normalised.into(), vote);
             return;
         };
         tally.units += vote.units;

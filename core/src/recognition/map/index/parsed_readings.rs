@@ -1,0 +1,46 @@
+//! Readings that were parsed: a text that many detections read is parsed once.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::semantics::Text;
+
+/// The most texts that are kept at once. When there are more, all are forgotten: a robot's next keyframes see other signs.
+const TEXTS_MAX: usize = 1 << 14;
+
+/// What votes and readings alike want to know of a text.
+#[derive(Debug, PartialEq)]
+pub struct ParsedReading {
+    /// In normal form.
+    pub normalised: Box<str>,
+    /// What it identifies, or its normal form.
+    pub gist: Box<str>,
+    /// Whether it says anything.
+    pub is_informative: bool,
+}
+
+/// The readings that a batch of changes has parsed, by text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParsedReadings {
+    by_text: HashMap<Box<str>, Arc<ParsedReading>>,
+}
+
+impl ParsedReadings {
+    /// Returns a reading, parsed.
+    pub fn of(&mut self, reading: &str) -> Arc<ParsedReading> {
+        if let Some(known) = self.by_text.get(reading) {
+            return known.clone();
+        }
+        if self.by_text.len() == TEXTS_MAX {
+            self.by_text.clear();
+        }
+        let text = Text::parse(reading);
+        let parsed = Arc::new(ParsedReading {
+            normalised: text.normalised().into(),
+            gist: text.gist().into(),
+            is_informative: text.information_level() > 1,
+        });
+        self.by_text.insert(reading.into(), parsed.clone());
+        parsed
+    }
+}
