@@ -23,11 +23,12 @@ use crate::store::slices::deferred;
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
-/// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
-const CHUNK: i64 = 256;
+/// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index. The small maps of tests
+/// take several steps, too.
+const CHUNK: i64 = if cfg!(test) { 4 } else { 256 };
 
 /// Detections read at a time. A map has many times more of them than keyframes, and each is small.
-const DETECTIONS: i64 = 4096;
+const DETECTIONS: i64 = if cfg!(test) { 5 } else { 4096 };
 
 impl FactSource for &Store {
     async fn load(
