@@ -681,6 +681,8 @@ create table map_changes (
     constraint map_changes_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
+create index map_changes_by_age on map_changes (written);
+
 -- How often rows of a map were changed that no version tells: whoever follows it loads it anew.
 create table map_rewrites (
     map_key bigint not null,

@@ -17,7 +17,8 @@ use tokio::time::sleep;
 use crate::config::logging::in_part;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
-use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, SessionId};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, SessionId};
+use crate::engine::cluster::routing::Route;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::write_path::Manner;
@@ -60,9 +61,33 @@ impl Service {
         }));
     }
 
+    /// Goes on with the erasures of maps that came to this server, if nothing is being erased.
+    pub(in crate::engine) async fn take_erasures_on(&self) -> Result<(), ServiceError> {
+        if self.erasing.try_lock().is_ok() && !self.erasures_here().await?.is_empty() {
+            self.erase_in_background();
+        }
+        Ok(())
+    }
+
+    /// Returns the erasures that are not done, of the maps that are this server's or should be.
+    async fn erasures_here(&self) -> Result<Vec<OpenErasure>, ServiceError> {
+        let mut here = Vec::new();
+        for erasure in self.store.open_erasures().await? {
+            if matches!(self.route(&erasure.map).await, Ok(Route::Here)) {
+                here.push(erasure);
+            }
+        }
+        Ok(here)
+    }
+
+    /// Has this server own a map, where others could: what is written of it would be refused. To be held until that is on disk.
+    pub(in crate::engine) async fn own(&self, map: &MapId) -> Result<Option<Arc<LiveMap>>, ServiceError> {
+        if self.store.is_shared() { self.live_in_background(map).await.map(Some) } else { Ok(None) }
+    }
+
     /// Does all that is asked for by now, and rewrites the file once. Returns whether there was anything.
     async fn erase_next(&self) -> Result<bool, ServiceError> {
-        let open = self.store.open_erasures().await?;
+        let open = self.erasures_here().await?;
         if open.is_empty() {
             return Ok(false);
         }
@@ -83,6 +108,14 @@ impl Service {
             self.rewrite().await?;
         }
         for erasure in &removed {
+            let owned = match self.own(&erasure.map).await {
+                // Its erasures went with it.
+                Err(ServiceError::NotFound(_)) => continue,
+                owned => owned?,
+            };
+            if owned.is_some_and(|live| live.key != erasure.key) {
+                continue;
+            }
             self.step(erasure, ErasureStep::Done(now())).await?;
             tracing::info!(map = %erasure.map, number = erasure.number, "an erasure is done");
         }
@@ -133,7 +166,8 @@ impl Service {
             NewErasure::Keyframes(_) => Vec::new(),
             NewErasure::Sessions(sessions) => sessions.clone(),
         };
-        for live in maps {
+        // The map itself comes last: while it is in memory, what is written of its releases is not refused.
+        for live in maps.into_iter().rev() {
             while self.store.has_deferred_changes(live.key).await? {
                 sleep(LOOK_AGAIN).await;
             }
@@ -144,6 +178,7 @@ impl Service {
             spawn_blocking(in_part("erase", change)).await.map_err(ServiceError::panicked)??;
             self.registry.forget_over(&live.id);
         }
+        let _owned = self.own(&erasure.map).await?;
         self.step(erasure, ErasureStep::Removed).await
     }
 

@@ -18,6 +18,7 @@ use tokio::time::sleep;
 use crate::domain::change::{Change, ForgottenParts};
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::settings::Settings;
+use crate::engine::cluster::routing::Route;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
@@ -71,8 +72,12 @@ impl Service {
     }
 
     async fn let_go_of(&self, map: &MapId, settings: &Settings) -> Result<(), ServiceError> {
+        if !matches!(self.route(map).await, Ok(Route::Here)) {
+            return Ok(());
+        }
         let key = self.key_of(map).await?;
         if !settings.keep_readings && self.store.has_dialogues(key).await? {
+            let _owned = self.own(map).await?;
             self.store.committer().commit(Job::ForgetDialogues(key)).await?;
         }
         if !settings.keep_crops {

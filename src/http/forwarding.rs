@@ -16,6 +16,7 @@ use futures_util::TryStreamExt as _;
 use super::App;
 use super::envelope::{REQUEST_ID, RequestId};
 use super::extract::answering::FromCopy;
+use super::extract::body_errors::fault_of_client;
 use super::extract::min_version::{MIN_VERSION, take_min_version};
 use super::guards::access::map_of;
 use super::guards::admission::HeldPermit;
@@ -180,7 +181,7 @@ async fn sent_on(app: &App, node: &Node, request: Request) -> Result<Response, P
     let url = format!("{}{path}", node.address.trim_end_matches('/'));
     let sent = client.request(parts.method, url).headers(headers);
     let sent = sent.body(reqwest::Body::wrap_stream(body.into_data_stream())).send().await;
-    let answer = sent.map_err(|error| away(&error))?;
+    let answer = sent.map_err(|error| fault_of_client(&error).unwrap_or_else(|| away(&error)))?;
     let (status, headers) = (answer.status(), end_to_end(answer.headers().clone()));
     let mut response = Response::new(Body::from_stream(answer.bytes_stream().map_err(std::io::Error::other)));
     *response.status_mut() = status;

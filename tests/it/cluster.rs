@@ -120,6 +120,11 @@ async fn a_server_that_joins_takes_maps_over_while_robots_write() {
     for number in 0..MAPS {
         settled_put(&one, &path(number), &json!({})).await;
     }
+    let mut streams = Vec::new();
+    for number in 0..MAPS {
+        let events = one.request(Method::GET, &format!("{}/events", path(number)));
+        streams.push(events.send().await.expect("an answer"));
+    }
     let joined = Server::among_others(folder.path()).await;
     let begun = Instant::now();
     let mut round = 0;
@@ -144,6 +149,63 @@ async fn a_server_that_joins_takes_maps_over_while_robots_write() {
             assert_eq!((&map["keyframes"], &map["map_version"]), (&json!(round), &json!(version)));
         }
     }
+    // Who listens at the server that had a map hears that it is to ask anew.
+    for (owner, mut stream) in owners(&one).await.into_iter().zip(streams) {
+        if owner == joined.url("") {
+            let ends = async { while stream.chunk().await.expect("a stream").is_some() {} };
+            tokio::time::timeout(OWNERS_SETTLE, ends).await.expect("the stream of a map that moved ends");
+        }
+    }
     joined.stop().await;
     one.stop().await;
+}
+
+/// Waits until an erasure is done, whichever server has its map.
+async fn erased(server: &Server, id: &str) {
+    let begun = Instant::now();
+    loop {
+        let erasure =
+            settled(server, Method::GET, &format!("{}/erase/{id}", path(0)), None).await.expect(200);
+        if erasure["state"] == "done" {
+            return;
+        }
+        assert!(begun.elapsed() < OWNERS_SETTLE, "{erasure:#}");
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs REVISIT_TEST_POSTGRES"]
+async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
+    const KEYFRAMES: usize = 60;
+    let folder = tempfile::tempdir().unwrap();
+    let (one, two) = (Server::among_others(folder.path()).await, Server::among_others(folder.path()).await);
+    let begun = Instant::now();
+    while one.figure("revisit_nodes").await < 2 || two.figure("revisit_nodes").await < 2 {
+        assert!(begun.elapsed() < OWNERS_SETTLE);
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    settled_put(&one, &path(0), &json!({})).await;
+    let ids: Vec<String> = (0..KEYFRAMES).map(|number| format!("kf-{number}")).collect();
+    for (number, id) in ids.iter().enumerate() {
+        settled_put(&one, &format!("{}/keyframes/{id}", path(0)), &shot(number)).await;
+    }
+    let erase = format!("{}/erase", path(0));
+    for id in ["e-1", "e-2"] {
+        let one_keyframe = json!({"keyframes": [format!("kf-{id}").replace("e-", "")]});
+        let asked = settled(&one, Method::POST, &erase, Some(&one_keyframe)).await;
+        assert_eq!((asked.status.as_u16(), &asked.body["id"]), (202, &json!(id)), "{asked:#?}");
+        erased(&two, id).await;
+        // The lease of a map that is not in memory is given back with a renewal.
+        tokio::time::sleep(Duration::from_secs(4)).await;
+    }
+    let owner = settled(&one, Method::GET, &path(0), None).await.header("x-revisit-owner").to_owned();
+    let (owner, other) = if owner == one.url("") { (one, two) } else { (two, one) };
+    let asked = settled(&other, Method::POST, &erase, Some(&json!({"keyframes": ids[10..]}))).await;
+    assert_eq!(asked.status, 202, "{asked:#?}");
+    owner.stop().await;
+    erased(&other, "e-3").await;
+    let map = settled(&other, Method::GET, &path(0), None).await.expect(200);
+    assert_eq!(map["keyframes"], json!(8), "{map:#}");
+    other.stop().await;
 }

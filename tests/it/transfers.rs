@@ -189,6 +189,16 @@ async fn a_database_goes_to_postgres_and_comes_back() {
     let came = copied(&postgres, &back);
     assert!(came.status.success(), "{came:?}");
     assert_eq!(keys_of(&back), keys_of(&postgres));
+    // What was revoked since is revoked in a copy that is taken up again, too.
+    let revoked = Command::new(env!("CARGO_BIN_EXE_revisit"))
+        .args(["keys", "revoke", "key-1", "--database", &postgres])
+        .output()
+        .expect("it runs");
+    assert!(revoked.status.success(), "{revoked:?}");
+    assert_ne!(keys_of(&back), keys_of(&postgres));
+    let came = copied(&postgres, &back);
+    assert!(came.status.success(), "{came:?}");
+    assert_eq!(keys_of(&back), keys_of(&postgres));
     let checked = Command::new(env!("CARGO_BIN_EXE_revisit")).args(["check", "--database", &back]).output();
     assert!(checked.as_ref().is_ok_and(|checked| checked.status.success()), "{checked:?}");
 }

@@ -36,6 +36,9 @@ pub(in crate::engine) enum Effort {
     Little,
 }
 
+/// Answers of followers that are kept at once: fewer than a map takes that are not on disk yet.
+const ANSWERS_AT_ONCE: u32 = 64;
+
 /// Of the looks while nobody waits, one in so many tells the owners that their maps are followed.
 const TELLS_EVERY: u32 = 6;
 
@@ -62,9 +65,19 @@ impl Service {
     ) -> Result<(), ServiceError> {
         let deadline = Instant::now() + WAITS;
         loop {
-            let live = self.live(map).await?;
+            let live = match effort {
+                Effort::All => self.live(map).await?,
+                Effort::Little => self.live_by(map, deadline).await?,
+            };
             if self.follows {
-                self.keep_up(&live, effort).await?;
+                match effort {
+                    Effort::All => self.keep_up(&live, effort).await?,
+                    Effort::Little => {
+                        timeout_at(deadline, self.keep_up(&live, effort))
+                            .await
+                            .map_err(|_| not_up_to_date())??;
+                    }
+                }
             } else {
                 let _ = timeout_at(deadline, live.next_version(version.saturating_sub(1))).await;
             }
@@ -80,6 +93,16 @@ impl Service {
         }
     }
 
+    /// Returns the copy of a map, if it is loaded in time. It goes on loading, for the next one who asks.
+    async fn live_by(&self, map: &MapId, deadline: Instant) -> Result<Arc<LiveMap>, ServiceError> {
+        if !self.follows || self.registry.in_memory_now(map).is_some() {
+            return self.live(map).await;
+        }
+        let (service, map) = (self.clone(), map.clone());
+        let loading = tokio::spawn(async move { service.live(&map).await });
+        timeout_at(deadline, loading).await.map_err(|_| not_up_to_date())?.map_err(ServiceError::panicked)?
+    }
+
     /// Returns a map for reading, wherever it is: of another server's, a copy that is as new as what was on disk at the call.
     pub(in crate::engine) async fn live_or_copy(&self, map: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         if self.follows || self.route(map).await? == Route::Here {
@@ -92,7 +115,11 @@ impl Service {
     }
 
     /// Brings a copy up to date; if the log does not tell enough, the next request loads it anew.
-    async fn keep_up(&self, live: &Arc<LiveMap>, effort: Effort) -> Result<(), ServiceError> {
+    pub(in crate::engine) async fn keep_up(
+        &self,
+        live: &Arc<LiveMap>,
+        effort: Effort,
+    ) -> Result<(), ServiceError> {
         let Some((rewrites, since)) = live.standing.followed_since() else { return Ok(()) };
         // One at a time takes over what is new.
         let _lane = live.lane.lock().await;
@@ -107,8 +134,7 @@ impl Service {
                         .map_err(ServiceError::panicked)??;
                 }
                 News::Unknown if effort == Effort::Little && since.elapsed() < LOADED_ANEW_EVERY => {
-                    let detail = "the copy of this map is not up to date; its owner answers".to_owned();
-                    return Err(ServiceError::Unavailable { detail, retry_after_s: 1 });
+                    return Err(not_up_to_date());
                 }
                 news => {
                     if news == News::Unknown {
@@ -155,26 +181,46 @@ impl Service {
     pub(in crate::engine) fn hand_answer_on(&self, live: &LiveMap, id: &str, body: bytes::Bytes) {
         // One that cannot be handed on is not kept, as when the disk is full.
         let Ok(permit) = self.handing_on.clone().try_acquire_owned() else { return };
+        let Some((rewrites, _)) = live.standing.followed_since() else { return };
         let (store, map, id) = (self.store.clone(), live.key, id.to_owned());
         tokio::spawn(async move {
             let _permit = permit;
-            if let Err(error) = store.hand_answer_on(map, &id, &body).await {
+            if let Err(error) = store.hand_answer_on(map, rewrites, &id, &body).await {
                 tracing::debug!(%error, "an answer was not handed on");
             }
         });
     }
 
-    /// Keeps the answers that followers gave of the maps that this server owns.
+    /// Keeps the answers that followers gave of the maps that are this server's, or should be.
     pub(super) async fn keep_answers_of_followers(&self) -> Result<(), ServiceError> {
-        let waiting = self.store.maps_with_answers().await?;
-        if waiting.is_empty() {
-            return Ok(());
-        }
-        for live in self.registry.in_memory(|live| waiting.contains(&live.key) && !live.is_over()) {
-            for (id, body) in self.store.take_answers(live.key).await? {
-                live.keep_query(&self.store, &id, body.into());
+        for map in self.store.maps_with_answers().await? {
+            if let Err(error) = self.keep_answers_of(&map).await {
+                tracing::debug!(%map, %error, "answers of followers were not kept");
             }
         }
         Ok(())
     }
+
+    async fn keep_answers_of(&self, map: &MapId) -> Result<(), ServiceError> {
+        if self.route(map).await? != Route::Here {
+            return Ok(());
+        }
+        // One that only copies were asked about is in nobody's memory.
+        let live = self.live_in_background(map).await?;
+        loop {
+            let answers = self.store.take_answers(live.key, ANSWERS_AT_ONCE).await?;
+            if answers.is_empty() {
+                return Ok(());
+            }
+            for (id, body) in answers {
+                live.keep_query(&self.store, &id, body.into());
+            }
+            self.store.committer().settled().await;
+        }
+    }
+}
+
+fn not_up_to_date() -> ServiceError {
+    let detail = "the copy of this map is not up to date; its owner answers".to_owned();
+    ServiceError::Unavailable { detail, retry_after_s: 1 }
 }

@@ -35,14 +35,31 @@ impl Service {
                     Ok(nodes) => membership.set_nodes(nodes),
                     Err(error) => tracing::warn!(%error, "leases were not renewed"),
                 }
-                service.hand_maps_over(&membership).await;
+            }
+        }));
+        self.tend_in_background();
+        self.keep_up_in_background();
+        Ok(())
+    }
+
+    /// Lets maps go, takes on what other servers left behind, and keeps what followers answered. Beside the renewals, which wait for
+    /// nothing else: a lease that is not renewed in time is lost.
+    fn tend_in_background(&self) {
+        let (service, closing) = (self.clone(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            loop {
+                tokio::time::sleep(RENEWED_EVERY).await;
+                let Some(membership) = service.membership.get() else { continue };
+                service.hand_maps_over(membership).await;
+                service.rejudging.wake();
+                if let Err(error) = service.take_erasures_on().await {
+                    tracing::debug!(%error, "erasures were not looked for");
+                }
                 if let Err(error) = service.keep_answers_of_followers().await {
                     tracing::debug!(%error, "answers of followers were not kept");
                 }
             }
         }));
-        self.keep_up_in_background();
-        Ok(())
     }
 
     /// Gives its maps back to the other servers, once nothing is under way.

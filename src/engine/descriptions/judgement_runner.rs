@@ -13,6 +13,7 @@ use super::description_job::ModelAnswer;
 use crate::domain::ids::{JudgementId, MapId};
 use crate::domain::judged::Answer;
 use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
+use crate::engine::cluster::routing::Route;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
@@ -83,6 +84,9 @@ impl JudgementRunner {
 
     /// Asks the next questions of a job, and keeps the answers.
     async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step, ServiceError> {
+        if !matches!(self.service.route(map).await, Ok(Route::Here)) {
+            return Ok(Step::Waits);
+        }
         let live = self.service.live_in_background(map).await?;
         if live.key != key || self.service.pressure.is_high() {
             return Ok(Step::Waits);

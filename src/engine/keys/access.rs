@@ -58,8 +58,7 @@ impl HeldKey {
     /// Counts one request; if the key has had its share, when to come back.
     pub fn count(&self) -> Result<(), Duration> {
         let Some(rate) = &self.rate else { return Ok(()) };
-        let counts_for = NonZeroU32::new(self.counts_for.load(Ordering::Relaxed)).unwrap_or(NonZeroU32::MIN);
-        match rate.check_n(counts_for) {
+        match rate.check_n(self.counts_for()) {
             Ok(Ok(())) => {
                 self.admitted.fetch_add(1, Ordering::Relaxed);
                 Ok(())
@@ -74,8 +73,13 @@ impl HeldKey {
     pub async fn wait(&self) {
         if let Some(rate) = &self.rate {
             // One that never fits is not waited for.
-            let _ = rate.until_n_ready(NonZeroU32::new(PARTS).unwrap_or(NonZeroU32::MIN)).await;
+            let _ = rate.until_n_ready(self.counts_for()).await;
+            self.admitted.fetch_add(1, Ordering::Relaxed);
         }
+    }
+
+    fn counts_for(&self) -> NonZeroU32 {
+        NonZeroU32::new(self.counts_for.load(Ordering::Relaxed)).unwrap_or(NonZeroU32::MIN)
     }
 }
 

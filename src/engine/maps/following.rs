@@ -12,6 +12,13 @@ impl LiveMap {
         let mut state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         for (version, changes) in versions {
+            // The same may be under way twice: what a client waited for goes on when that has gone.
+            if *version <= state.version {
+                continue;
+            }
+            if *version != state.version + 1 {
+                return Err(self.broke());
+            }
             state.index.apply(changes);
             state.version = *version;
         }

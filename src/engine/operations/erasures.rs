@@ -10,6 +10,7 @@ use crate::store::{ErasureStep, Job};
 impl Service {
     /// Asks for an erasure, which begins at once in the background. What is asked for is on disk when this returns.
     pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure, ServiceError> {
+        let _owned = self.own(map).await?;
         let key = self.key_of(map).await?;
         if let NewErasure::Sessions(sessions) = &asked {
             let mut errors = Vec::new();

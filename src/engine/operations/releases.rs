@@ -11,6 +11,7 @@ use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::release::{NewRelease, Release};
 use crate::domain::report::Page;
 use crate::domain::request::Digest;
+use crate::engine::cluster::following::Effort;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
@@ -164,7 +165,17 @@ impl Service {
         map: &MapId,
         name: &ReleaseName,
     ) -> Result<Arc<LiveMap>, ServiceError> {
-        match self.registry.get(&self.store, &map.of_release(name), Used::ByClient).await {
+        let id = map.of_release(name);
+        let mut found = self.registry.get(&self.store, &id, Used::ByClient).await;
+        if let Ok(copy) = &found
+            && self.follows
+        {
+            self.keep_up(copy, Effort::All).await?;
+            if copy.is_over() {
+                found = self.registry.get(&self.store, &id, Used::ByClient).await;
+            }
+        }
+        match found {
             Err(ServiceError::NotFound(_)) => {
                 self.key_of(map).await?;
                 Err(no_release(map, name))

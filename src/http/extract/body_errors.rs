@@ -45,13 +45,18 @@ pub(super) fn broken() -> Problem {
 
 /// Returns the reason why a body is incomplete, which the layers below hide in a chain of errors.
 pub fn unreadable(error: &axum::Error) -> Problem {
+    fault_of_client(error).unwrap_or_else(broken)
+}
+
+/// Returns what a client did wrong with a body, if that is in a chain of errors.
+pub fn fault_of_client(error: &(dyn Error + 'static)) -> Option<Problem> {
     let mut cause: Option<&(dyn Error + 'static)> = Some(error);
     while let Some(error) = cause {
         if error.is::<LengthLimitError>() {
-            return too_large();
+            return Some(too_large());
         }
         if error.is::<TooSlow>() {
-            return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
+            return Some(Problem::new(Kind::TIMEOUT, "the body arrived too slowly"));
         }
         // An error inside an I/O error is not its source; that error's own source is.
         let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
@@ -60,5 +65,5 @@ pub fn unreadable(error: &axum::Error) -> Problem {
             None => error.source(),
         };
     }
-    broken()
+    None
 }

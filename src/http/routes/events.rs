@@ -13,6 +13,7 @@ use crate::api::examples;
 use crate::domain::event::Event;
 use crate::domain::invalid::FieldError;
 use crate::engine::Listener;
+use crate::engine::Route;
 use crate::engine::keys::access::Access;
 use crate::engine::{PinnedMap, ServiceError};
 use crate::http::App;
@@ -25,6 +26,8 @@ use crate::http::problem::{Kind, Problem};
 
 /// Maximum events fetched together.
 const BATCH: usize = 256;
+/// Interval of looks whether another server has the map by now, where there may be others.
+const MOVED_EVERY: Duration = Duration::from_secs(3);
 /// Interval of comments that keep proxies from closing the stream.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
@@ -32,7 +35,8 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 ///
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
 /// with `last-event-id`, as browsers do, misses nothing. If it would, because the map was recreated or the event is
-/// too old, the response is 410. The stream ends with the server, the map or the key. The number of streams per key is
+/// too old, the response is 410. The stream ends with the server, the map or the key, and where a map moves between servers
+/// of one database; the client resumes as after any break. The number of streams per key is
 /// limited (429).
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
@@ -103,6 +107,12 @@ fn stream(
                 () = listener.more() => {}
                 () = app.stopping.cancelled() => return,
                 () = app.service.keys().ended(&access) => return,
+                () = tokio::time::sleep(MOVED_EVERY), if app.service.address().is_some() => {
+                    // Its events are told by the server that has it: the client resumes there.
+                    if matches!(app.service.route(map.id()).await, Ok(Route::At(_))) {
+                        return;
+                    }
+                }
             }
         }
     }

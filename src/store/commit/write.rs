@@ -105,6 +105,9 @@ async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Re
         }
         ErasureStep::RemoveTraces(map, sessions) => {
             note_rewrite(db, *map).await?;
+            if db.engine() == Engine::Postgres {
+                change_log::forget(db, *map).await?;
+            }
             traces::remove(db, *map, sessions).await
         }
         ErasureStep::Removed => erasure_rows::removed(db, of).await,

@@ -51,9 +51,24 @@ pub(in crate::store) async fn note_rewrite(db: &mut Connection, map: MapKey) -> 
     run(db, sql::query(upsert).bind(map)).await
 }
 
+/// Forgets what the log tells of a map, and what copies answered: an erasure leaves no trace in either.
+pub(in crate::store) async fn forget(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
+    for delete in
+        ["delete from map_changes where map_key = $1", "delete from followed_queries where map_key = $1"]
+    {
+        run(db, sql::query(delete).bind(map)).await?;
+    }
+    Ok(())
+}
+
 impl Store {
     /// Returns how often a map was rewritten: to be asked before the map is loaded.
     pub async fn rewrites(&self, map: MapKey) -> Result<i64, StoreError> {
+        // The row is there from now on, for answers to wait for who rewrites the map.
+        let insert =
+            "insert into map_rewrites (map_key, rewritten) select map_key, 0 from maps where map_key = $1
+            on conflict do nothing";
+        sql::query(insert).bind(map).execute(&self.readers).await?;
         let select = "select rewritten from map_rewrites where map_key = $1";
         let found = sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
         Ok(found.unwrap_or(0))

@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use super::key_list::list;
+use crate::domain::ids::MapId;
 use crate::store::commit::job::MapKey;
+use crate::store::rows::decode;
 use crate::store::sql;
 use crate::store::{Store, StoreError};
 
@@ -28,20 +30,35 @@ impl Store {
         Ok(())
     }
 
-    /// Hands an answer to the owner of a map, which keeps it with its own.
-    pub async fn hand_answer_on(&self, map: MapKey, id: &str, body: &[u8]) -> Result<(), StoreError> {
-        let insert = "insert into followed_queries (map_key, id, body) select map_key, $2, $3 from maps
-            where map_key = $1 and deleted = 0
-            and (select count(*) from followed_queries where map_key = $1) < $4 on conflict do nothing";
-        let query = sql::query(insert).bind(map).bind(id).bind(body).bind(ANSWERS_MAX);
+    /// Hands an answer to the owner of a map, which keeps it with its own. One of a copy from before the map was rewritten is not
+    /// kept: it may tell what was erased since.
+    pub async fn hand_answer_on(
+        &self,
+        map: MapKey,
+        rewrites: i64,
+        id: &str,
+        body: &[u8],
+    ) -> Result<(), StoreError> {
+        // A rewrite locks its row first: it waits for this, or this finds that it was.
+        let insert = "insert into followed_queries (map_key, id, body)
+            select m.map_key, $2, $3 from maps m join map_rewrites r using (map_key)
+            where m.map_key = $1 and m.deleted = 0 and r.rewritten = $5
+            and (select count(*) from followed_queries where map_key = $1) < $4 for share of r
+            on conflict do nothing";
+        let query = sql::query(insert).bind(map).bind(id).bind(body).bind(ANSWERS_MAX).bind(rewrites);
         query.execute(&self.readers).await?;
         Ok(())
     }
 
     /// Returns the answers that followers gave of a map that this server owns, each with its id. They are its own from here on.
-    pub async fn take_answers(&self, map: MapKey) -> Result<Vec<(String, Vec<u8>)>, StoreError> {
-        let take = "delete from followed_queries where map_key = $1 returning id, body";
-        Ok(sql::query_as(take).bind(map).fetch_all(&self.readers).await?)
+    pub async fn take_answers(
+        &self,
+        map: MapKey,
+        at_most: u32,
+    ) -> Result<Vec<(String, Vec<u8>)>, StoreError> {
+        let take = "delete from followed_queries where map_key = $1 and id in
+            (select id from followed_queries where map_key = $1 order by id limit $2) returning id, body";
+        Ok(sql::query_as(take).bind(map).bind(at_most).fetch_all(&self.readers).await?)
     }
 
     /// Returns an answer of a follower that is on its way to the owner of the map, or of a release of the map.
@@ -54,11 +71,14 @@ impl Store {
         Ok(sql::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
     }
 
-    /// Returns which maps of these have answers of followers.
-    pub async fn maps_with_answers(&self) -> Result<Vec<MapKey>, StoreError> {
-        let Some(leases) = &self.leases else { return Ok(Vec::new()) };
-        let select = "select distinct map_key from followed_queries
-            where map_key in (select cast(value as bigint) from json_each($1))";
-        Ok(sql::query_scalar(select).bind(list(&leases.maps())).fetch_all(leases.pool()).await?)
+    /// Returns the maps, releases among them, that have answers of followers.
+    pub async fn maps_with_answers(&self) -> Result<Vec<MapId>, StoreError> {
+        if self.leases.is_none() {
+            return Ok(Vec::new());
+        }
+        let select = "select id from maps where deleted = 0
+            and map_key in (select distinct map_key from followed_queries) order by id";
+        let ids: Vec<String> = sql::query_scalar(select).fetch_all(&self.readers).await?;
+        ids.iter().map(|id| decode::id(id)).collect()
     }
 }

@@ -77,13 +77,24 @@ pub(in crate::store) async fn read_beside_maps<F: Future<Output = Result<(), Sto
     Ok(())
 }
 
-/// Writes rows of a table beside maps; those that are there stay.
+/// Writes rows of a table beside maps. Those that are there become what they are in the source: a key that was revoked since is.
 pub(in crate::store) async fn write_beside_maps(
     db: &mut Connection,
     block: &RowBlock,
 ) -> Result<(), StoreError> {
     let head = format!("insert into {} ({}) ", block.table, block.columns.join(", "));
-    write_rows(db, &head, " on conflict do nothing", &block.rows, |row, cells| {
+    let known = BESIDE_MAPS.iter().find(|(table, ..)| *table == block.table);
+    let tail = match known {
+        Some((_, key, "")) => {
+            let is_key = |column: &String| key.split(", ").any(|of_key| of_key == column);
+            let others = block.columns.iter().filter(|column| !is_key(column));
+            let set: Vec<String> = others.map(|column| format!("{column} = excluded.{column}")).collect();
+            format!(" on conflict ({key}) do update set {}", set.join(", "))
+        }
+        // Answers are of questions by their digest, and stay the same.
+        _ => " on conflict do nothing".to_owned(),
+    };
+    write_rows(db, &head, &tail, &block.rows, |row, cells| {
         for cell in cells {
             push_cell(row, cell);
         }
