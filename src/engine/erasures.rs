@@ -146,8 +146,7 @@ impl Service {
         if live.key != erasure.key {
             return Err(ServiceError::no_map(&erasure.map));
         }
-        let keyframes = self.remove_from(&live, asked).await?;
-        self.step(erasure, ErasureStep::Count(keyframes)).await?;
+        self.remove_from(&live, asked, Some(erasure)).await?;
         let mut maps = vec![live.clone()];
         for (id, key) in self.store.release_maps(live.key).await? {
             let release = match self.live(&id).await {
@@ -156,7 +155,7 @@ impl Service {
                 release => release?,
             };
             if release.key == key {
-                if self.remove_from(&release, asked).await? > 0 {
+                if self.remove_from(&release, asked, None).await? > 0 {
                     self.step(erasure, ErasureStep::CountRelease(key)).await?;
                 }
                 maps.push(release);
@@ -186,8 +185,14 @@ impl Service {
         Ok(self.store.committer().commit(Job::Erase(erasure.key, erasure.number, step)).await?)
     }
 
-    /// Deletes the keyframes, and the loops that name them. Returns how many keyframes there were.
-    async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<u64, ServiceError> {
+    /// Deletes the keyframes, and the loops that name them. Returns how many keyframes there were. Each is counted with its deletion,
+    /// for an erasure may be broken off, and go on elsewhere.
+    async fn remove_from(
+        &self,
+        live: &Arc<LiveMap>,
+        asked: &NewErasure,
+        counted_in: Option<&OpenErasure>,
+    ) -> Result<u64, ServiceError> {
         // What a robot sends meanwhile stays, so that there is an end.
         let end = self.read(live, |state: &State| Ok(state.index.next_keyframe())).await?.1;
         let mut removed = 0;
@@ -216,7 +221,18 @@ impl Service {
                     }
                     Ok(Decision::Changed(1, cull_keyframe(index, seq, Arc::new(bow)), None))
                 };
-                removed += self.begin(live, Manner::Erasing, cull).await?.committed().await?.0;
+                let begun = self.begin(live, Manner::Erasing, cull).await?;
+                let gone: u64 = *begun.value();
+                let count = async {
+                    match counted_in {
+                        Some(erasure) if gone > 0 => self.step(erasure, ErasureStep::Count(gone)).await,
+                        _ => Ok(()),
+                    }
+                };
+                // On their way together, they share a commit.
+                let (committed, counted) = tokio::join!(begun.committed(), count);
+                removed += committed?.0;
+                counted?;
                 self.features.forget(live.key, seq).await;
             }
         }

@@ -42,6 +42,10 @@ impl fmt::Display for RequestId {
     }
 }
 
+/// Marks an answer that another server of the same database gave: its errors are problem documents already.
+#[derive(Clone, Copy, Debug)]
+pub struct OfPeer;
+
 /// Returns the pattern of a request's route, never its path: there are as many paths as keyframes.
 pub fn route_of(request: &Request) -> &str {
     request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str)
@@ -64,7 +68,8 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
     let span = trace.in_scope(log);
     let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
     let _entered = span.enter();
-    if response.status().is_client_error() || response.status().is_server_error() {
+    let is_error = response.status().is_client_error() || response.status().is_server_error();
+    if is_error && response.extensions_mut().remove::<OfPeer>().is_none() {
         response = refusal(response, &id, &uri);
     }
     let status = response.status().as_u16();

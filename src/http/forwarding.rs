@@ -14,7 +14,7 @@ use axum::response::{IntoResponse as _, Response};
 use futures_util::TryStreamExt as _;
 
 use super::App;
-use super::envelope::{REQUEST_ID, RequestId};
+use super::envelope::{OfPeer, REQUEST_ID, RequestId};
 use super::extract::answering::FromCopy;
 use super::extract::body_errors::fault_of_client;
 use super::extract::min_version::{MIN_VERSION, take_min_version};
@@ -186,6 +186,7 @@ async fn sent_on(app: &App, node: &Node, request: Request) -> Result<Response, P
     let mut response = Response::new(Body::from_stream(answer.bytes_stream().map_err(std::io::Error::other)));
     *response.status_mut() = status;
     *response.headers_mut() = headers;
+    response.extensions_mut().insert(OfPeer);
     Ok(response)
 }
 

@@ -72,6 +72,7 @@ pub async fn transfer(
     let maps = from.held_maps().await?;
     let there = only_of(&maps, to.held_maps().await?)?;
     keys_agree(from, to).await?;
+    to.take_beside_maps_from(from).await?;
     let mut transferred = Vec::new();
     for map in &maps {
         let was_there = there.contains_key(&map.id);
@@ -82,7 +83,7 @@ pub async fn transfer(
         tell(&verified);
         transferred.push(verified);
     }
-    to.take_rest_from(from).await?;
+    to.take_releases_from(from).await?;
     Ok(transferred)
 }
 

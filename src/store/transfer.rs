@@ -65,17 +65,23 @@ impl Store {
         finished
     }
 
-    /// Copies what stands beside the maps: which of them are releases, keys, and what models answered and cost.
-    pub async fn take_rest_from(&self, other: &Self) -> Result<(), StoreError> {
+    /// Copies keys, and what models answered and cost: before the maps, so that no part of a copy can be served without its keys.
+    pub async fn take_beside_maps_from(&self, other: &Self) -> Result<(), StoreError> {
         let mut db = other.snapshot().await?;
-        let releases = transferred_rows::read_releases(&mut db).await;
-        let last_event = transferred_rows::last_event(&mut db).await;
         let read = transferred_rows::read_beside_maps(&mut db, |block| {
             self.committer.commit(Job::AddRows(Box::new(block)))
         });
         let read = read.await;
         db.commit().await?;
-        read?;
+        read
+    }
+
+    /// Copies which maps are releases of which, and the number of the last event.
+    pub async fn take_releases_from(&self, other: &Self) -> Result<(), StoreError> {
+        let mut db = other.snapshot().await?;
+        let releases = transferred_rows::read_releases(&mut db).await;
+        let last_event = transferred_rows::last_event(&mut db).await;
+        db.commit().await?;
         let keys = |id: String| async move {
             let id: Result<MapId, _> = crate::domain::ids::StoredId::stored(&id);
             let id = id.map_err(|error| StoreError::corrupt(error.to_string()))?;

@@ -96,6 +96,16 @@ async fn any_of_two_servers_answers_for_every_map_and_each_has_some() {
     let page = Answer::text(one.request(Method::GET, "/metrics")).await;
     assert!(!page.contains("revisit_forwarded_total{outcome=\"answered\"} 0\n"), "{page}");
 
+    // An error is the same whichever server is asked.
+    let (of_one, of_other) = (
+        settled(&one, Method::PUT, &format!("{}/keyframes/kf-9", path(0)), Some(&json!({}))).await,
+        settled(&other, Method::PUT, &format!("{}/keyframes/kf-9", path(0)), Some(&json!({}))).await,
+    );
+    for key in ["status", "code", "detail", "errors"] {
+        assert_eq!(of_one.body[key], of_other.body[key], "{key}: {of_one:#?}, {of_other:#?}");
+    }
+    assert!(of_one.body["errors"].as_array().is_some_and(|errors| !errors.is_empty()), "{of_one:#?}");
+
     // What shows a secret that is not this server's is not sent on: it could come back.
     let elsewhere = (0..MAPS).find(|number| from_one[*number] != one.url("")).expect("one");
     let forged = one.request(Method::GET, &path(elsewhere)).header("x-revisit-forwarded", "guessed");
@@ -207,5 +217,7 @@ async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
     erased(&other, "e-3").await;
     let map = settled(&other, Method::GET, &path(0), None).await.expect(200);
     assert_eq!(map["keyframes"], json!(8), "{map:#}");
+    let erasure = settled(&other, Method::GET, &format!("{erase}/e-3"), None).await.expect(200);
+    assert_eq!(erasure["keyframes"], json!(KEYFRAMES - 10), "counted here and there: {erasure:#}");
     other.stop().await;
 }

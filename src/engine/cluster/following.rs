@@ -64,6 +64,7 @@ impl Service {
         effort: Effort,
     ) -> Result<(), ServiceError> {
         let deadline = Instant::now() + WAITS;
+        let mut has_looked = false;
         loop {
             let live = match effort {
                 Effort::All => self.live(map).await?,
@@ -72,15 +73,17 @@ impl Service {
             if self.follows {
                 match effort {
                     Effort::All => self.keep_up(&live, effort).await?,
-                    Effort::Little => {
-                        timeout_at(deadline, self.keep_up(&live, effort))
-                            .await
-                            .map_err(|_| not_up_to_date())??;
-                    }
+                    Effort::Little => match timeout_at(deadline, self.keep_up(&live, effort)).await {
+                        Ok(kept_up) => kept_up?,
+                        // The owner would wait in vain, too.
+                        Err(_) if has_looked => {}
+                        Err(_) => return Err(not_up_to_date()),
+                    },
                 }
             } else {
                 let _ = timeout_at(deadline, live.next_version(version.saturating_sub(1))).await;
             }
+            has_looked = true;
             let at = live.newest_version();
             if !live.is_over() && at >= version {
                 return live.on_disk(&self.store, at).await;

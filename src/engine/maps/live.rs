@@ -385,6 +385,11 @@ impl LiveMap {
 }
 
 impl<T> Pending<T> {
+    /// Returns what was decided.
+    pub fn value(&self) -> &T {
+        &self.value
+    }
+
     /// Waits until the decision is on disk.
     pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64), ServiceError> {
         match self.committed {

@@ -161,6 +161,11 @@ pub(in crate::engine) struct Begun<T> {
 }
 
 impl<T> Begun<T> {
+    /// Returns what was decided.
+    pub fn value(&self) -> &T {
+        self.pending.value()
+    }
+
     /// Waits until it is on disk.
     pub async fn committed(self) -> Result<(T, u64), ServiceError> {
         self.pending.committed(&self.store, &self.live).instrument(traces::part("commit")).await

@@ -15,8 +15,12 @@ const PARAMETER: &str = "min_version";
 
 /// Takes the minimum version from a request about a map, given as a parameter or as a header. Only requests that read have one.
 pub fn take_min_version(parts: &mut Parts, route: &str) -> Result<Option<u64>, Problem> {
+    let headers = parts.headers.get_all(MIN_VERSION).iter().count();
     let header = parts.headers.remove(MIN_VERSION);
     let parameter = take_parameter(&mut parts.uri)?;
+    if headers + usize::from(parameter.is_some()) > 1 {
+        return Err(Problem::invalid(vec![FieldError::new(format!("{MIN_VERSION}:"), "given twice")]));
+    }
     let (place, text) = match (&parameter, &header) {
         (Some(text), _) => (format!("?{PARAMETER}"), text.as_str()),
         (None, Some(header)) => (format!("{MIN_VERSION}:"), header.to_str().unwrap_or_default().trim()),
@@ -81,7 +85,7 @@ mod tests {
                 Some("9"),
                 Ok((Some(9), "/v1/maps/m/anchors?a=min_version")),
             ),
-            ("GET", "/v1/maps/m/anchors?min_version=7", Some("9"), Ok((Some(7), "/v1/maps/m/anchors"))),
+            ("GET", "/v1/maps/m/anchors?min_version=7", Some("9"), Err(())),
             ("GET", "/v1/maps/m/anchors?min_version=7&min_version=7", None, Err(())),
             ("GET", "/v1/maps/m/anchors?min_version=-1", None, Err(())),
             ("GET", "/v1/maps/m/anchors?min_version", None, Err(())),

@@ -4,8 +4,9 @@ use std::str::FromStr as _;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sqlx::Row as _;
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool, PgPoolOptions};
+use sqlx::{Connection as _, Row as _};
+use tokio::time::{Instant, sleep, timeout_at};
 
 use super::leases::Leases;
 use super::schema;
@@ -20,6 +21,12 @@ const READERS: u32 = 8;
 /// The longest wait for a connection.
 const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(10);
 
+/// The pause between two tries to reach a server when the database is opened.
+const TRY_AGAIN: Duration = Duration::from_millis(500);
+
+/// The code by which PostgreSQL says that it takes no connections yet, or no more.
+const STARTING_UP: &str = "57P03";
+
 /// A connection is made anew after so long: after a fail-over it may lead to a server that is the primary no more and does not know.
 const LIFETIME_MAX: Duration = Duration::from_mins(1);
 
@@ -32,6 +39,7 @@ const STATEMENTS_KEPT: usize = 512;
 /// Opens the database at an address, and brings it to this version's schema.
 pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
     let (options, how) = (options(url)?, statements(url));
+    expect_reachable(&options).await?;
     let pool = |connections: u32| {
         PgPoolOptions::new()
             .max_connections(connections)
@@ -57,6 +65,32 @@ pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
         lock: None,
         leases: Some(leases),
     })
+}
+
+/// Fails if nobody answers at an address, and says why; a database server that starts is waited for. A pool would only say that it
+/// has no connection.
+async fn expect_reachable(options: &PgConnectOptions) -> Result<(), StoreError> {
+    let (host, port) = (options.get_host(), options.get_port());
+    let deadline = Instant::now() + ACQUIRE_TIMEOUT;
+    loop {
+        let why = match timeout_at(deadline, PgConnection::connect_with(options)).await {
+            Ok(Ok(db)) => return Ok(db.close().await?),
+            Ok(Err(sqlx::Error::Database(error))) if error.code().as_deref() != Some(STARTING_UP) => {
+                return Err(StoreError::Database(format!(
+                    "PostgreSQL at {host}:{port}: {}",
+                    error.message()
+                )));
+            }
+            Ok(Err(error)) => error.to_string(),
+            Err(_) => "it does not answer".to_owned(),
+        };
+        if Instant::now() + TRY_AGAIN >= deadline {
+            return Err(StoreError::Database(format!(
+                "PostgreSQL at {host}:{port} cannot be reached: {why}"
+            )));
+        }
+        sleep(TRY_AGAIN).await;
+    }
 }
 
 fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
