@@ -163,7 +163,9 @@ async fn a_place_is_sought_in_the_maps_of_every_server() {
 async fn a_server_alone_waits_for_a_version_and_says_that_it_has_not() {
     let server = Server::start().await;
     server.put("/v1/maps/m", &json!({})).await;
-    assert_eq!(asked(&server, Method::GET, "/v1/maps/m?min_version=1", None, 9).await.status, 200);
+    server.get("/v1/maps/m?min_version=1").await.expect(200);
+    let twice = asked(&server, Method::GET, "/v1/maps/m?min_version=1", None, 1).await;
+    assert_eq!(twice.status, StatusCode::UNPROCESSABLE_ENTITY, "{twice:#?}");
     let early = asked(&server, Method::GET, "/v1/maps/m", None, 2).await;
     assert_eq!(early.status, StatusCode::PRECONDITION_FAILED, "{early:#?}");
     assert!(early.body["detail"].as_str().expect("a detail").contains("version 1"), "{early:#?}");
