@@ -12,6 +12,7 @@ import pwd
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -25,6 +26,8 @@ NEEDED = {"patroni": "patroni", "patronictl": "patroni", "etcd": "etcd-server", 
 # The least that newer versions of Patroni allow is a ttl of 20 s; loop_wait + 2 * retry_timeout may not exceed it.
 TTL_S, LOOP_WAIT_S, RETRY_TIMEOUT_S = 20, 2, 5
 START_TIMEOUT_S = 90
+# The exit code where PostgreSQL did not fail over by itself, so that it may be tried once more.
+NOT_SHOWN = 75
 STOP_TIMEOUT_S = 20
 PROBE_TIMEOUT_S = 2
 
@@ -282,11 +285,13 @@ class FailingOver:
             watch.start()
 
     def expect(self, condition, what, seconds=START_TIMEOUT_S):
-        """Waits for something that must come; it ends the script if it does not."""
+        """Waits for something that Patroni and PostgreSQL must do by themselves. If they do not, the script ends with 75: of Revisit
+        nothing was shown."""
         end = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > end:
-                raise SystemExit(f"FAILED: no {what} in {seconds} s\n{self.state()}")
+                print(f"FAILED: no {what} in {seconds} s\n{self.cluster_view()}\n{self.state()}", flush=True)
+                sys.exit(NOT_SHOWN)
             time.sleep(0.2)
 
     def primary(self):
@@ -332,6 +337,11 @@ class FailingOver:
             return True
         except (AssertionError, subprocess.TimeoutExpired):
             return False
+
+    def cluster_view(self):
+        """Returns what the primary says of all members."""
+        primary = self.primary()
+        return primary and primary.rest("/cluster")
 
     def state(self):
         """Returns what the members say, to be printed with a failure."""
