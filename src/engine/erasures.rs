@@ -174,6 +174,8 @@ impl Service {
             let job = Job::Erase(erasure.key, erasure.number, step);
             let (changing, store, runtime) = (live.clone(), self.store.clone(), Handle::current());
             let change = move || changing.change_rows(&store, &runtime, job);
+            // Those who come meanwhile wait, and find the map as it is then.
+            let _lane = live.lane.lock().await;
             spawn_blocking(in_part("erase", change)).await.map_err(ServiceError::panicked)??;
             self.registry.forget_over(&live.id);
         }

@@ -135,7 +135,7 @@ impl Service {
     }
 
     /// Fails for a map that is not in memory where another server should have it.
-    fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<(), ServiceError> {
+    pub(in crate::engine) fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<(), ServiceError> {
         match self.membership.get() {
             Some(membership) if !self.follows && !is_in_memory && !membership.should_have(id) => {
                 let detail = "another server should have this map; ask it, or try again".to_owned();

@@ -6,6 +6,7 @@ use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
 use super::live::{Decision, LiveMap, Pending, State, Urgency};
+use super::loads::Used;
 use crate::config::logging::in_part;
 use crate::config::traces;
 use crate::engine::{Service, ServiceError};
@@ -49,7 +50,16 @@ impl Service {
             Manner::Prompt | Manner::Freeing | Manner::Erasing => self.writes.enter().await?,
         };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
-        let _lane = live.lane.lock().await;
+        let anew;
+        let lane = live.lane.lock().await;
+        let (live, _lane) = if live.is_poisoned() {
+            // It was thrown away meanwhile, as an erasure does it, and nothing is decided yet.
+            drop(lane);
+            anew = self.anew(live).await?;
+            (&anew, anew.lane.lock().await)
+        } else {
+            (live, lane)
+        };
         let core = self.deciding.clone().acquire_owned().await.map_err(|_| ServiceError::closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
         // A client of many writes has more, and waits for none of them alone.
@@ -62,6 +72,13 @@ impl Service {
             self.worker.note_write(live);
         }
         Ok(Begun { store: self.store.clone(), live: live.clone(), pending })
+    }
+
+    /// Returns a map that was thrown away as it is on disk.
+    async fn anew(&self, live: &LiveMap) -> Result<Arc<LiveMap>, ServiceError> {
+        self.should_have(&live.id, false)?;
+        let anew = self.registry.get(&self.store, &live.id, Used::ByClient).await?;
+        if anew.key == live.key { Ok(anew) } else { Err(ServiceError::no_map(&live.id)) }
     }
 
     /// Has what waits for more of its request committed now: somebody waits for it.
