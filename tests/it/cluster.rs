@@ -63,13 +63,7 @@ async fn owners(server: &Server) -> Vec<String> {
 #[ignore = "needs REVISIT_TEST_POSTGRES"]
 async fn any_of_two_servers_answers_for_every_map_and_each_has_some() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, other) = (Server::among_others(folder.path()).await, Server::among_others(folder.path()).await);
-    // Both know of each other after a renewal.
-    let begun = Instant::now();
-    while one.figure("revisit_nodes").await < 2 {
-        assert!(begun.elapsed() < OWNERS_SETTLE);
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+    let (one, other) = Server::two(folder.path()).await;
     for number in 0..MAPS {
         let (writer, reader) = if number % 2 == 0 { (&one, &other) } else { (&other, &one) };
         settled_put(writer, &path(number), &json!({})).await;
@@ -189,12 +183,7 @@ async fn erased(server: &Server, id: &str) {
 async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
     const KEYFRAMES: usize = 60;
     let folder = tempfile::tempdir().unwrap();
-    let (one, two) = (Server::among_others(folder.path()).await, Server::among_others(folder.path()).await);
-    let begun = Instant::now();
-    while one.figure("revisit_nodes").await < 2 || two.figure("revisit_nodes").await < 2 {
-        assert!(begun.elapsed() < OWNERS_SETTLE);
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+    let (one, two) = Server::two(folder.path()).await;
     settled_put(&one, &path(0), &json!({})).await;
     let ids: Vec<String> = (0..KEYFRAMES).map(|number| format!("kf-{number}")).collect();
     for (number, id) in ids.iter().enumerate() {

@@ -32,20 +32,9 @@ async fn asked(server: &Server, method: Method, path: &str, body: Option<&Value>
     .await
 }
 
-/// Two servers that know of each other.
-async fn two_servers(folder: &std::path::Path) -> (Server, Server) {
-    let (one, two) = (Server::among_others(folder).await, Server::among_others(folder).await);
-    let begun = Instant::now();
-    while one.figure("revisit_nodes").await < 2 || two.figure("revisit_nodes").await < 2 {
-        assert!(begun.elapsed() < SETTLES);
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-    (one, two)
-}
-
 /// Two servers, the first of which owns a map with so many keyframes.
 async fn owner_and_other(folder: &std::path::Path, keyframes: usize) -> (Server, Server, u64) {
-    let (one, two) = two_servers(folder).await;
+    let (one, two) = Server::two(folder).await;
     one.put("/v1/maps/m", &json!({})).await;
     let owner = Answer::of(one.request(Method::GET, "/v1/maps/m")).await.header("x-revisit-owner").to_owned();
     let (owner, other) = if owner == one.url("") { (one, two) } else { (two, one) };
@@ -143,7 +132,7 @@ async fn a_copy_answers_as_the_owner_does_and_says_which_version_it_has_not() {
 #[ignore = "needs REVISIT_TEST_POSTGRES"]
 async fn a_place_is_sought_in_the_maps_of_every_server() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, two) = two_servers(folder.path()).await;
+    let (one, two) = Server::two(folder.path()).await;
     for map in 0..6 {
         one.put(&format!("/v1/maps/m-{map}"), &json!({})).await;
         for number in 0..3 {

@@ -3,7 +3,7 @@
 use std::hash::{Hash as _, Hasher as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
@@ -59,6 +59,9 @@ pub async fn postgres_of(directory: &Path) -> String {
     }
     format!("{server}/{name}")
 }
+
+/// Longer than servers that share a database take to know of each other.
+const JOINED: Duration = Duration::from_secs(40);
 
 impl Server {
     /// Starts a server on an empty database.
@@ -149,6 +152,17 @@ impl Server {
     pub async fn among_others(directory: &Path) -> Self {
         let options = ServiceOptions::on(postgres_of(directory).await, LoopAnswer::bytes);
         Self::of(options).await
+    }
+
+    /// Starts two servers that share a database and know of each other, as they do after a renewal.
+    pub async fn two(directory: &Path) -> (Self, Self) {
+        let (one, two) = (Self::among_others(directory).await, Self::among_others(directory).await);
+        let begun = Instant::now();
+        while one.figure("revisit_nodes").await < 2 || two.figure("revisit_nodes").await < 2 {
+            assert!(begun.elapsed() < JOINED, "the two servers do not know of each other");
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        (one, two)
     }
 
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
