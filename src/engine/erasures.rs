@@ -18,7 +18,6 @@ use crate::config::logging::in_part;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, SessionId};
-use crate::engine::cluster::routing::Route;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::write_path::Manner;
@@ -73,7 +72,7 @@ impl Service {
     async fn erasures_here(&self) -> Result<Vec<OpenErasure>, ServiceError> {
         let mut here = Vec::new();
         for erasure in self.store.open_erasures().await? {
-            if matches!(self.route(&erasure.map).await, Ok(Route::Here)) {
+            if self.is_here(&erasure.map).await {
                 here.push(erasure);
             }
         }

@@ -18,7 +18,6 @@ use tokio::time::sleep;
 use crate::domain::change::{Change, ForgottenParts};
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::settings::Settings;
-use crate::engine::cluster::routing::Route;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
@@ -72,7 +71,7 @@ impl Service {
     }
 
     async fn let_go_of(&self, map: &MapId, settings: &Settings) -> Result<(), ServiceError> {
-        if !matches!(self.route(map).await, Ok(Route::Here)) {
+        if !self.is_here(map).await {
             return Ok(());
         }
         let key = self.key_of(map).await?;

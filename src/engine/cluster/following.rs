@@ -205,7 +205,7 @@ impl Service {
     }
 
     async fn keep_answers_of(&self, map: &MapId) -> Result<(), ServiceError> {
-        if self.route(map).await? != Route::Here {
+        if !self.is_here(map).await {
             return Ok(());
         }
         // One that only copies were asked about is in nobody's memory.

@@ -1,5 +1,6 @@
 //! Joining and leaving: this server's row among those that share its database, and the renewal of its leases.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::membership::Membership;
@@ -28,29 +29,29 @@ impl Service {
             return Err(ServiceError::Internal("a server joins once".to_owned()));
         }
         let (service, closing) = (self.clone(), self.closing.clone());
+        let renewed = membership.clone();
         tokio::spawn(closing.run_until_cancelled_owned(async move {
             loop {
                 tokio::time::sleep(RENEWED_EVERY).await;
-                match service.store.renew(&membership.this).await {
-                    Ok(nodes) => membership.set_nodes(nodes),
+                match service.store.renew(&renewed.this).await {
+                    Ok(nodes) => renewed.set_nodes(nodes),
                     Err(error) => tracing::warn!(%error, "leases were not renewed"),
                 }
             }
         }));
-        self.tend_in_background();
+        self.tend_in_background(membership);
         self.keep_up_in_background();
         Ok(())
     }
 
     /// Lets maps go, takes on what other servers left behind, and keeps what followers answered. Beside the renewals, which wait for
     /// nothing else: a lease that is not renewed in time is lost.
-    fn tend_in_background(&self) {
+    fn tend_in_background(&self, membership: Arc<Membership>) {
         let (service, closing) = (self.clone(), self.closing.clone());
         tokio::spawn(closing.run_until_cancelled_owned(async move {
             loop {
                 tokio::time::sleep(RENEWED_EVERY).await;
-                let Some(membership) = service.membership.get() else { continue };
-                service.hand_maps_over(membership).await;
+                service.hand_maps_over(&membership).await;
                 service.rejudging.wake();
                 if let Err(error) = service.take_erasures_on().await {
                     tracing::debug!(%error, "erasures were not looked for");

@@ -40,6 +40,11 @@ impl Service {
         }
     }
 
+    /// Whether work on a map is this server's, as far as it can tell now.
+    pub(in crate::engine) async fn is_here(&self, map: &MapId) -> bool {
+        matches!(self.route(map).await, Ok(Route::Here))
+    }
+
     /// Notes that the server that has a map did not answer, or has it no more.
     pub fn ask_for_owner_again(&self, map: &MapId) {
         if let Some(membership) = self.membership.get() {

@@ -13,7 +13,6 @@ use super::description_job::ModelAnswer;
 use crate::domain::ids::{JudgementId, MapId};
 use crate::domain::judged::Answer;
 use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
-use crate::engine::cluster::routing::Route;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
@@ -84,7 +83,7 @@ impl JudgementRunner {
 
     /// Asks the next questions of a job, and keeps the answers.
     async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step, ServiceError> {
-        if !matches!(self.service.route(map).await, Ok(Route::Here)) {
+        if !self.service.is_here(map).await {
             return Ok(Step::Waits);
         }
         let live = self.service.live_in_background(map).await?;

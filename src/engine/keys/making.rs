@@ -18,7 +18,7 @@ const KEYS_MAX: usize = 10_000;
 /// Maximum tries to make a key whose number another server took.
 const CREATED_AGAIN_MAX: u32 = 8;
 
-/// What secrets begin with, so that scanners for leaked secrets can tell them.
+/// Prefix of secrets, by which scanners for leaked secrets can tell them.
 const SECRET_PREFIX: &str = "revisit_";
 
 impl Keyring {

@@ -8,12 +8,12 @@ use crate::semantics::Text;
 /// The most texts that are kept at once. When there are more, all are forgotten: a robot's next keyframes see other signs.
 const TEXTS_MAX: usize = 1 << 14;
 
-/// What votes and readings alike want to know of a text.
+/// Parts of a text that votes and readings alike need.
 #[derive(Debug, PartialEq)]
 pub struct ParsedReading {
     /// In normal form.
     pub normalised: Box<str>,
-    /// What it identifies, or its normal form.
+    /// Its identifiers, or its normal form.
     pub gist: Box<str>,
     /// Whether it says anything.
     pub is_informative: bool,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::parsed_readings::ParsedReadings;
 use crate::domain::ids::AnchorSeq;
 
-/// What a batch of changes has touched.
+/// Objects that a batch of changes has touched, and the texts that it met.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Touched {
     /// Anchors of which the objects must be derived anew.
