@@ -46,8 +46,8 @@ class Stored:
     version: int
     # The version that each keyframe made.
     keyframes: dict = field(default_factory=dict)
-    # Keyframes whose content is not what was sent.
-    other: set = field(default_factory=set)
+    # Keyframes whose content is not what was sent, each with what it is.
+    other: dict = field(default_factory=dict)
 
 
 def faults(writes, reads, stored):
@@ -68,7 +68,7 @@ def of_content(name, writes, kept):
         if write.acknowledged < math.inf and write.id not in kept.keyframes:
             yield "lost write", f"{name}: {write.id} was acknowledged and is not there"
         elif write.id in kept.other:
-            yield "other content", f"{name}: {write.id} is not what was sent"
+            yield "other content", f"{name}: {write.id} is not what was sent: {kept.other[write.id]}"
     sent = {write.id for write in writes}
     for keyframe in kept.keyframes.keys() - sent:
         yield "other content", f"{name}: no writer sent {keyframe}"
@@ -163,7 +163,7 @@ def lose_last(draw, writes, reads, stored):
 
 def change(draw, writes, reads, stored):
     write = draw.choice(writes)
-    stored[write.map].other.add(write.id)
+    stored[write.map].other[write.id] = "something else"
 
 
 def repeat(draw, writes, reads, stored):

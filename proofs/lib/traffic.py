@@ -15,6 +15,8 @@ from server import Client, Gone
 
 # Keyframes of a map that are compared also as answered from memory.
 ASKED_AGAIN = 50
+# As long may a server refuse for the moment what is asked at the end.
+PATIENCE_S = 30
 
 
 def keyframe(name):
@@ -179,24 +181,39 @@ def stored(ask, traffic):
     kept = {name: Stored(int(version)) for name, version in ask("select id, version from maps where deleted = 0")}
     for name, each, version in ask("select m.id, k.id, k.version from keyframes k join maps m using (map_key)"):
         kept[name].keyframes[each] = int(version)
+    clients = traffic.clients(600)
     for name in traffic.maps:
-        clients = traffic.clients(600)
-        kept[name].other = not_as_exported(random.choice(clients), name, kept[name]) | not_as_answered(clients, name, kept[name])
-        for client in clients:
-            client.close()
+        kept[name].other = not_as_exported(clients, name, kept[name]) | not_as_answered(clients, name, kept[name])
+    for client in clients:
+        client.close()
     return kept
 
 
-def not_as_exported(client, name, kept):
-    exported = [json.loads(line) for line in client.ask("GET", f"/v1/maps/{name}/export").body.splitlines() if line]
+def not_as_exported(clients, name, kept):
+    answer = patiently(clients, f"/v1/maps/{name}/export")
+    if answer.status != 200:
+        return dict.fromkeys(kept.keyframes, f"the export is {answer}")
+    exported = [json.loads(line) for line in answer.body.splitlines() if line]
     bodies = {line["id"]: line["body"] for line in exported if line["op"] == "keyframe"}
-    return {each for each in kept.keyframes if not same(keyframe(each), bodies.get(each))}
+    return {each: f"exported is {bodies.get(each)}" for each in kept.keyframes if not same(keyframe(each), bodies.get(each))}
 
 
 def not_as_answered(clients, name, kept):
-    other = set()
+    other = {}
     for each in random.sample(sorted(kept.keyframes), min(ASKED_AGAIN, len(kept.keyframes))):
-        answer = random.choice(clients).ask("GET", f"/v1/maps/{name}/keyframes/{each}")
+        answer = patiently(clients, f"/v1/maps/{name}/keyframes/{each}")
         if answer.status != 200 or not same(keyframe(each), answer.json()):
-            other.add(each)
+            other[each] = f"answered is {answer}"
     return other
+
+
+def patiently(clients, path):
+    """Asks random servers until one does not refuse for the moment: after the last fault maps still move."""
+    end = time.monotonic() + PATIENCE_S
+    while True:
+        client = random.choice(clients)
+        answer = client.ask("GET", path)
+        if answer.status != 503 or not answer.headers.get("retry-after") or time.monotonic() > end:
+            return answer
+        print(f"  asked at the end: {path} at {client.address} is {answer}", flush=True)
+        time.sleep(0.2)
