@@ -5,7 +5,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::output::write_out;
 use crate::domain::counted::counted;
-use crate::integrity::transfer::transfer;
+use crate::integrity::transfer::{expect_not_served, transfer};
 use crate::store::{Store, without_password};
 
 /// Copy everything from one database into another, such as from SQLite into PostgreSQL, or back.
@@ -35,6 +35,11 @@ pub async fn run(args: CopyArgs) -> Result<(), Failure> {
         return Err(format!("there is no database {file}").into());
     }
     let from = Store::open(&args.from).await?;
+    // First, for a target that is opened is there from then on.
+    if let Err(error) = expect_not_served(&from, "source").await {
+        from.close().await;
+        return Err(error.into());
+    }
     let to = match Store::open(&args.to).await {
         Ok(to) => to,
         Err(error) => {
@@ -57,12 +62,17 @@ pub async fn run(args: CopyArgs) -> Result<(), Failure> {
     let done = done.await;
     from.close().await;
     to.close().await;
-    let maps = done?;
-    let rows: u64 = maps.iter().map(|map| map.rows).sum();
+    let transferred = done?;
+    let rows: u64 = transferred.iter().map(|map| map.rows).sum();
+    let releases = transferred.iter().filter(|map| map.id.parts().1.is_some()).count();
+    let of_maps = match releases {
+        0 => String::new(),
+        _ => format!(", {}", counted(releases, "release")),
+    };
     Ok(write_out(&format!(
-        "{}: {} and the keys, {}; the same in {}\n",
+        "{}: {}{of_maps} and the keys, {}; the same in {}\n",
         without_password(&args.to),
-        counted(maps.len(), "map"),
+        counted(transferred.len() - releases, "map"),
         counted(rows as usize, "row"),
         without_password(&args.from)
     ))?)

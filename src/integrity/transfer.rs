@@ -62,12 +62,8 @@ pub async fn transfer(
     to: &Store,
     mut tell: impl FnMut(&Transferred),
 ) -> Result<Vec<Transferred>, TransferError> {
-    for (store, which) in [(from, "source"), (to, "target")] {
-        let count = store.server_count().await?;
-        if count > 0 {
-            return Err(TransferError::Served { count, which });
-        }
-    }
+    expect_not_served(from, "source").await?;
+    expect_not_served(to, "target").await?;
     to.discard_incomplete().await?;
     let maps = from.held_maps().await?;
     let there = only_of(&maps, to.held_maps().await?)?;
@@ -85,6 +81,14 @@ pub async fn transfer(
     }
     to.take_releases_from(from).await?;
     Ok(transferred)
+}
+
+/// Fails if servers have a database open, which is the `source` or the `target`.
+pub async fn expect_not_served(store: &Store, which: &'static str) -> Result<(), TransferError> {
+    match store.server_count().await? {
+        0 => Ok(()),
+        count => Err(TransferError::Served { count, which }),
+    }
 }
 
 /// Returns the maps of the target by name. One that the source has not would be another database's.
