@@ -99,7 +99,9 @@ impl Problem {
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         let detail = match errors.as_slice() {
             [one] => {
-                format!("{}: {}", if one.pointer.is_empty() { "the body" } else { &one.pointer }, one.detail)
+                // The pointer of a header ends in a colon.
+                let at = one.pointer.trim_end_matches(':');
+                format!("{}: {}", if at.is_empty() { "the body" } else { at }, one.detail)
             }
             several => format!("{} faults, each listed", several.len()),
         };
