@@ -2,7 +2,7 @@
 
 use crate::domain::ids::MapId;
 use crate::engine::{Service, ServiceError};
-use crate::store::{Node, Owner};
+use crate::store::{Lease, Node, Owner};
 
 /// The server that answers a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +17,8 @@ impl Service {
     /// Returns where a request about a map is answered.
     pub async fn route(&self, map: &MapId) -> Result<Route, ServiceError> {
         let Some(membership) = self.membership.get() else { return Ok(Route::Here) };
-        if self.registry.in_memory_now(map).is_some() {
+        // One whose lease ran out may be another server's by now, though this one has not noticed.
+        if self.registry.in_memory_now(map).is_some_and(|live| live.lease().is_none_or(Lease::is_valid)) {
             return Ok(Route::Here);
         }
         if let Some(node) = membership.owner_before(map) {
@@ -28,9 +29,10 @@ impl Service {
             if node.id == membership.this.id { Route::Here } else { Route::At(node) }
         };
         match self.store.owner(map).await? {
-            Some(Owner::Other(id)) => {
+            Some(Owner::Other(id, node)) => {
                 membership.note_owner(map, &id);
-                membership.node(&id).map(Route::At).ok_or_else(|| {
+                // One that came since the last renewal, or came back.
+                membership.node(&id).or(node).map(Route::At).ok_or_else(|| {
                     let detail = "the server that has this map is not heard of; another one takes it soon";
                     ServiceError::Unavailable { detail: detail.to_owned(), retry_after_s: 1 }
                 })

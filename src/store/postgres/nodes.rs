@@ -38,8 +38,8 @@ impl Node {
 pub enum Owner {
     /// This server, or one whose lease has run out, or nobody.
     Free,
-    /// Another server, by its id.
-    Other(String),
+    /// Another server, by its id; with its row where it was heard of lately.
+    Other(String, Option<Node>),
 }
 
 impl Store {
@@ -88,15 +88,20 @@ impl Store {
     /// Returns who owns a map now; `None` if there is no such map.
     pub async fn owner(&self, id: &MapId) -> Result<Option<Owner>, StoreError> {
         let Some(leases) = &self.leases else { return Ok(Some(Owner::Free)) };
-        let select = "select case when o.expires > clock_timestamp() then o.owner end
-            from maps m left join map_owners o using (map_key) where m.id = $1 and m.deleted = 0";
-        let found: Option<(Option<String>,)> =
+        let select = "select case when o.expires > clock_timestamp() then o.owner end, n.address, n.secret
+            from maps m left join map_owners o using (map_key)
+            left join nodes n on n.node = o.owner and n.expires > clock_timestamp()
+            where m.id = $1 and m.deleted = 0";
+        type Found = (Option<String>, Option<String>, Option<String>);
+        let found: Option<Found> =
             sql::query_as(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
-        let owner = |owner: Option<String>| match owner {
-            Some(owner) if owner != leases.node() => Owner::Other(owner),
+        Ok(found.map(|(owner, address, secret)| match owner {
+            Some(id) if id != leases.node() => {
+                let node = address.zip(secret);
+                Owner::Other(id.clone(), node.map(|(address, secret)| Node { id, address, secret }))
+            }
             _ => Owner::Free,
-        };
-        Ok(found.map(|(of,)| owner(of)))
+        }))
     }
 
     /// Gives a map back, of which nothing is under way.
