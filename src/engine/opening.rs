@@ -33,7 +33,8 @@ impl Service {
         };
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
-        let registry = Arc::new(Registry::new(options.map_memory));
+        let followers = Arc::new(Followers::new(options.map_memory));
+        let registry = Arc::new(Registry::new(options.map_memory, Some(followers.registry.clone())));
         let service = Self(Arc::new(Parts {
             models: models.clone(),
             worker: Arc::default(),
@@ -58,7 +59,7 @@ impl Service {
             vocabulary,
             backups: None,
             membership: Arc::default(),
-            followers: Arc::new(Followers::new(options.map_memory)),
+            followers,
             follows: false,
             handing_on: Arc::new(Semaphore::new(HANDED_ON_AT_ONCE)),
         }));

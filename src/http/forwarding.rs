@@ -99,7 +99,7 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
                 }
                 request.headers_mut().insert(MIN_VERSION, version.into());
             }
-            match held.release_while(sent_on(&app, &node, request)).await {
+            match held.release_while(sent_on(&app, &map, &node, request)).await {
                 Ok(response) => {
                     if response.status() == StatusCode::SERVICE_UNAVAILABLE {
                         app.service.ask_for_owner_again(&map);
@@ -156,7 +156,7 @@ fn with_owner(mut response: Response, address: &str) -> Response {
     response
 }
 
-async fn sent_on(app: &App, node: &Node, request: Request) -> Result<Response, Problem> {
+async fn sent_on(app: &App, map: &MapId, node: &Node, request: Request) -> Result<Response, Problem> {
     let away = |error: &reqwest::Error| {
         let cause = tls::cause_of(error);
         tracing::warn!(node = node.id, address = node.address, cause, "a request could not be sent on");
@@ -181,7 +181,12 @@ async fn sent_on(app: &App, node: &Node, request: Request) -> Result<Response, P
     let url = format!("{}{path}", node.address.trim_end_matches('/'));
     let sent = client.request(parts.method, url).headers(headers);
     let sent = sent.body(reqwest::Body::wrap_stream(body.into_data_stream())).send().await;
-    let answer = sent.map_err(|error| fault_of_client(&error).unwrap_or_else(|| away(&error)))?;
+    let answer = sent.map_err(|error| {
+        fault_of_client(&error).unwrap_or_else(|| {
+            app.service.load_ahead(map, node);
+            away(&error)
+        })
+    })?;
     let (status, headers) = (answer.status(), end_to_end(answer.headers().clone()));
     let mut response = Response::new(Body::from_stream(answer.bytes_stream().map_err(std::io::Error::other)));
     *response.status_mut() = status;

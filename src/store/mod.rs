@@ -9,7 +9,7 @@
 //! | what a map was sent, and read back in order | [`rows::former_value_rows`], [`rows::operation_rows`], [`export`] |
 //! | what it is asked to do, and what that costs | [`commit::job`], [`commit::cost`] |
 //! | from changes to rows, a group at a time | [`commit::write`], [`rows::statement`], [`commit::additions`], [`rows::bulk_insert`], [`rows::map_rows`], [`rows::keyframe_rows`] |
-//! | from rows to changes, when a map is first asked for | [`facts`], [`rows::load`], [`rows::decode`], [`rows::validate`] |
+//! | from rows to changes, when a map is first asked for | [`facts`], [`fact_sources`], [`rows::load`], [`rows::decode`], [`rows::validate`] |
 //! | what models said, and what it cost | [`rows::model_rows`] |
 //! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
 //! | releases, and copies of maps | [`map_copy`], [`rows::copied_rows`], [`rows::release_rows`], [`rows::map_tables`] |
@@ -28,6 +28,7 @@ mod address;
 mod commit;
 mod error;
 mod export;
+mod fact_sources;
 mod facts;
 pub mod files;
 mod holdings;
@@ -53,6 +54,7 @@ pub use commit::queue::PoisonFlag;
 pub use commit::row_block::RowBlock;
 pub use error::StoreError;
 pub use export::Export;
+pub use fact_sources::FactsForCopies;
 pub use facts::{FactSource, MapFacts, Order};
 pub use files::lock::{DatabaseLock, Purpose};
 pub use files::log::LogFindings;

@@ -66,6 +66,12 @@ impl Membership {
         self.placed(map).id == self.this.id
     }
 
+    /// Whether it is this server that should have a map once another one is gone.
+    pub(super) fn takes_after(&self, map: &MapId, gone: &Node) -> bool {
+        let left: Vec<Node> = self.nodes().iter().filter(|node| node.id != gone.id).cloned().collect();
+        placed(&left, map).is_some_and(|node| node.id == self.this.id)
+    }
+
     /// Returns the server of an id, if it is there.
     pub(super) fn node(&self, id: &str) -> Option<Node> {
         self.nodes().iter().find(|node| node.id == id).cloned()

@@ -11,11 +11,13 @@
 //! | where a request is answered | [`routing`] |
 //! | maps that another server should have go there | [`hand_over`] |
 //! | copies of maps that others own | [`followers`], [`following`] |
+//! | maps of a server that does not answer | [`loading_ahead`] |
 
 pub mod followers;
 pub mod following;
 mod hand_over;
 mod joining;
+mod loading_ahead;
 pub mod membership;
 mod placement;
 pub mod routing;

@@ -17,7 +17,7 @@ use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
 use crate::integrity::rebuild::rebuild;
-use crate::store::{Order, Store, Taken};
+use crate::store::{FactsForCopies, Order, Store, Taken};
 
 /// Maximum loads for one request of a map whose writes keep failing, or that comes and goes.
 const LOADS_MAX: usize = 5;
@@ -71,9 +71,17 @@ impl Registry {
             let loaded = handle.block_on(async {
                 // What a map that is forgotten had queued is settled first: a write under way would be missed.
                 store.committer().settled().await;
-                let standing =
-                    if registry.follows { followed(&store, &id).await? } else { taken(&store, &id).await? };
-                Ok::<_, ServiceError>((rebuild(&store, &id, Order::Forwards).await?, standing))
+                if registry.follows {
+                    let standing = followed(&store, &id).await?;
+                    let loaded = rebuild(FactsForCopies(&store), &id, Order::Forwards).await?;
+                    return Ok::<_, ServiceError>((loaded, standing));
+                }
+                let standing = taken(&store, &id).await?;
+                let loaded = match registry.promoted(&store, &id).await? {
+                    Some(promoted) => Some(promoted),
+                    None => rebuild(&store, &id, Order::Forwards).await?,
+                };
+                Ok((loaded, standing))
             });
             let (loaded, standing) = loaded?;
             let loaded = loaded.ok_or_else(|| ServiceError::no_map(&id))?;

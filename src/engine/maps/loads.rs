@@ -30,6 +30,7 @@ pub(in crate::engine) struct Loads {
     microseconds: AtomicU64,
     evicted: AtomicU64,
     oversized: AtomicU64,
+    promoted: AtomicU64,
 }
 
 /// Loads and evictions since the start.
@@ -40,6 +41,8 @@ pub(in crate::engine) struct LoadFigures {
     pub evictions: u64,
     /// Loads of maps that are larger than the budget.
     pub oversized: u64,
+    /// Copies that became this server's own.
+    pub promoted: u64,
 }
 
 impl Default for Loads {
@@ -54,6 +57,7 @@ impl Default for Loads {
             microseconds: AtomicU64::new(0),
             evicted: AtomicU64::new(0),
             oversized: AtomicU64::new(0),
+            promoted: AtomicU64::new(0),
         }
     }
 }
@@ -79,6 +83,11 @@ impl Loads {
         self.oversized.fetch_add(u64::from(is_oversized), Ordering::Relaxed);
     }
 
+    /// Counts a copy that became this server's own.
+    pub fn count_promotion(&self) {
+        self.promoted.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// Counts maps that were evicted.
     pub fn count_evictions(&self, maps: usize) {
         self.evicted.fetch_add(maps as u64, Ordering::Relaxed);
@@ -101,6 +110,7 @@ impl Loads {
             load_microseconds: self.microseconds.load(Ordering::Relaxed),
             evictions: self.evicted.load(Ordering::Relaxed),
             oversized: self.oversized.load(Ordering::Relaxed),
+            promoted: self.promoted.load(Ordering::Relaxed),
         }
     }
 }

@@ -11,6 +11,7 @@ mod loading;
 pub(super) mod loads;
 pub(super) mod map_memory;
 pub(super) mod pinned;
+mod promotion;
 pub(super) mod registry;
 mod release_uses;
 mod standing;

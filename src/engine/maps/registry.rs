@@ -33,10 +33,13 @@ pub(in crate::engine) struct Registry {
     pub births: Arc<tokio::sync::Mutex<()>>,
     /// Whether it holds copies of maps that other servers own.
     pub(super) follows: bool,
+    /// The table of those copies, which may become this server's own.
+    pub(super) copies: Option<Arc<Registry>>,
 }
 
 impl Registry {
-    pub fn new(memory: u64) -> Self {
+    /// Returns a table of this server's maps, which may take this memory, in bytes.
+    pub fn new(memory: u64, copies: Option<Arc<Self>>) -> Self {
         Self {
             cells: Mutex::default(),
             memory: MapMemory::new(memory),
@@ -44,12 +47,13 @@ impl Registry {
             feeds: Arc::default(),
             births: Arc::default(),
             follows: false,
+            copies,
         }
     }
 
     /// Returns a table of copies of maps that other servers own.
     pub fn of_followed(memory: u64) -> Self {
-        Self { follows: true, ..Self::new(memory) }
+        Self { follows: true, ..Self::new(memory, None) }
     }
 
     /// Returns the cell that the table holds for a map, an empty one if it held none.

@@ -22,6 +22,8 @@ pub struct Stats {
     pub map_loads_oversized: u64,
     /// Maps that left memory for others since the start.
     pub map_evictions: u64,
+    /// Copies of other servers' maps that became this server's own.
+    pub map_promotions: u64,
     /// Keyframes of these maps.
     pub keyframes: u64,
     /// Anchors of these maps, merged ones counted once.
@@ -104,6 +106,7 @@ impl Service {
             map_load_microseconds: loads.load_microseconds,
             map_loads_oversized: loads.oversized,
             map_evictions: loads.evictions,
+            map_promotions: loads.promoted,
             model_jobs: self.worker.open_jobs(),
             model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
             models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),

@@ -39,6 +39,9 @@ pub const GAUGES: &[Row] = &[
     ("followed_loads", "Copies that were loaded anew, because the log did not tell enough", |f| {
         f.stats.followed_loads
     }),
+    ("map_promotions", "Copies that became this server's own maps, without being loaded again", |f| {
+        f.stats.map_promotions
+    }),
     ("follower_lag_seconds", "Time since every copy was last up to date; 0 without copies", |f| {
         f.stats.follower_lag_s
     }),

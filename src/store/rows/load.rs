@@ -17,11 +17,11 @@ use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::domain::key::KeySeq;
+use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::facts::{FactSource, MapFacts, Order};
+use crate::store::facts::{MapFacts, Order};
 use crate::store::slices::deferred;
 use crate::store::sql::{self, Connection, Row};
-use crate::store::{Store, StoreError};
 
 /// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index. The small maps of tests
 /// take several steps, too.
@@ -29,24 +29,6 @@ const CHUNK: i64 = if cfg!(test) { 4 } else { 256 };
 
 /// Detections read at a time. A map has many times more of them than keyframes, and each is small.
 const DETECTIONS: i64 = if cfg!(test) { 5 } else { 4096 };
-
-impl FactSource for &Store {
-    async fn load(
-        &mut self,
-        id: &MapId,
-        order: Order,
-        take: impl FnMut(Vec<Change>) + Send,
-    ) -> Result<Option<MapFacts>, StoreError> {
-        // One read transaction, so that the facts are those of one version of the map.
-        let mut db = self.snapshot().await?;
-        let facts = load(&mut db, id, order, take).await?;
-        if let (Some(leases), Some(facts)) = (&self.leases, &facts) {
-            leases.expect_ours(&mut db, facts.key).await?;
-        }
-        db.commit().await?;
-        Ok(facts)
-    }
-}
 
 /// Loads a map within a read transaction. An error about one of its rows names the map and the row.
 pub(in crate::store) async fn load(
@@ -64,9 +46,7 @@ async fn load_rows(
     order: Order,
     mut take: impl FnMut(Vec<Change>) + Send,
 ) -> Result<Option<MapFacts>, StoreError> {
-    let found =
-        sql::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
-    let Some(row) = found else { return Ok(None) };
+    let Some(row) = map_row(db, id).await? else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
     take(vec![Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
     if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
@@ -113,20 +93,31 @@ async fn load_rows(
     take(session_merge_rows::open(&known.merges));
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut known, &mut take).await?;
+    Ok(Some(facts_of(db, &row).await?))
+}
+
+/// Returns the row of a map.
+pub(in crate::store) async fn map_row(db: &mut Db, id: &MapId) -> Result<Option<Row>, StoreError> {
+    Ok(sql::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?)
+}
+
+/// Returns what the row of a map tells.
+pub(in crate::store) async fn facts_of(db: &mut Db, row: &Row) -> Result<MapFacts, StoreError> {
+    let key: MapKey = row.try_get("map_key")?;
     let next_kept =
         sql::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
-    Ok(Some(MapFacts {
+    Ok(MapFacts {
         key,
         version: row.try_get::<i64, _>("version")? as u64,
-        next_keyframe: KeyframeSeq(next.0),
-        next_anchor: AnchorSeq(next.1),
+        next_keyframe: KeyframeSeq(row.try_get("next_keyframe")?),
+        next_anchor: AnchorSeq(row.try_get("next_anchor")?),
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
-        digest: decode::digest(&row)?,
-        figures: map_rows::figures(&row)?,
-        learned: map_rows::learned(&row)?,
-    }))
+        digest: decode::digest(row)?,
+        figures: map_rows::figures(row)?,
+        learned: map_rows::learned(row)?,
+    })
 }
 
 fn reversed(mut changes: Vec<Change>) -> Vec<Change> {

@@ -1,0 +1,62 @@
+//! Sources of facts: the maps of this server, and those of others, for copies.
+
+use super::facts::{FactSource, MapFacts, Order};
+use super::rows::load::{Db, facts_of, load, map_row};
+use super::{Store, StoreError};
+use crate::domain::change::Change;
+use crate::domain::ids::MapId;
+
+impl FactSource for &Store {
+    async fn load(
+        &mut self,
+        id: &MapId,
+        order: Order,
+        take: impl FnMut(Vec<Change>) + Send,
+    ) -> Result<Option<MapFacts>, StoreError> {
+        // One read transaction, so that the facts are those of one version of the map.
+        let mut db = self.snapshot().await?;
+        let facts = load(&mut db, id, order, take).await?;
+        self.expect_ours(&mut db, facts.as_ref()).await?;
+        db.commit().await?;
+        Ok(facts)
+    }
+}
+
+/// The facts of maps that another server owns, for copies. This server may come to own a map while they are read.
+#[derive(Debug)]
+pub struct FactsForCopies<'s>(pub &'s Store);
+
+impl FactSource for FactsForCopies<'_> {
+    async fn load(
+        &mut self,
+        id: &MapId,
+        order: Order,
+        take: impl FnMut(Vec<Change>) + Send,
+    ) -> Result<Option<MapFacts>, StoreError> {
+        let mut db = self.0.snapshot().await?;
+        let facts = load(&mut db, id, order, take).await?;
+        db.commit().await?;
+        Ok(facts)
+    }
+}
+
+impl Store {
+    /// Returns the row of a map of this server, without its changes.
+    pub async fn map_facts(&self, id: &MapId) -> Result<Option<MapFacts>, StoreError> {
+        let mut db = self.snapshot().await?;
+        let facts = match map_row(&mut db, id).await? {
+            Some(row) => Some(facts_of(&mut db, &row).await.map_err(|error| error.of_map(id))?),
+            None => None,
+        };
+        self.expect_ours(&mut db, facts.as_ref()).await?;
+        db.commit().await?;
+        Ok(facts)
+    }
+
+    async fn expect_ours(&self, db: &mut Db, facts: Option<&MapFacts>) -> Result<(), StoreError> {
+        match (&self.leases, facts) {
+            (Some(leases), Some(facts)) => leases.expect_ours(db, facts.key).await,
+            _ => Ok(()),
+        }
+    }
+}
