@@ -50,7 +50,6 @@ impl Service {
             asking: Arc::default(),
             closing: CancellationToken::new(),
             store,
-            registry,
             writes: ConcurrencyLimit::new(WRITES_AT_ONCE, WAITING_MAX),
             reads: ConcurrencyLimit::new(READS_PER_CORE * cores(), WAITING_MAX),
             deciding: Arc::new(Semaphore::new(cores())),
@@ -61,6 +60,8 @@ impl Service {
             membership: Arc::default(),
             followers,
             follows: false,
+            owned: registry.clone(),
+            registry,
             handing_on: Arc::new(Semaphore::new(HANDED_ON_AT_ONCE)),
         }));
         service.poll_key_changes();

@@ -70,6 +70,8 @@ pub struct Parts {
     pub(super) followers: Arc<Followers>,
     /// Whether its maps are those copies: it writes nothing.
     pub(super) follows: bool,
+    /// The maps that this server has itself; `registry` unless that holds copies.
+    pub(super) owned: Arc<Registry>,
     /// Bounds the answers that are on their way to the owners of their maps.
     pub(super) handing_on: Arc<Semaphore>,
 }

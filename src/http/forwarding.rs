@@ -5,6 +5,9 @@
 //! Bodies are streamed both ways. The key goes with the request, and is checked there once more. A request is sent on once
 //! at most: what comes from another server, which shows this one's secret, is answered here or not at all.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use axum::body::Body;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{CONNECTION, HOST};
@@ -180,10 +183,16 @@ async fn sent_on(app: &App, map: &MapId, node: &Node, request: Request) -> Resul
     }
     let url = format!("{}{path}", node.address.trim_end_matches('/'));
     let sent = client.request(parts.method, url).headers(headers);
-    let sent = sent.body(reqwest::Body::wrap_stream(body.into_data_stream())).send().await;
+    // A client that breaks its body off looks like a server that does not answer.
+    let is_broken_off = Arc::new(AtomicBool::new(false));
+    let breaks_off = is_broken_off.clone();
+    let body = body.into_data_stream().inspect_err(move |_| breaks_off.store(true, Ordering::Relaxed));
+    let sent = sent.body(reqwest::Body::wrap_stream(body)).send().await;
     let answer = sent.map_err(|error| {
         fault_of_client(&error).unwrap_or_else(|| {
-            app.service.load_ahead(map, node);
+            if !is_broken_off.load(Ordering::Relaxed) {
+                app.service.load_ahead(map, node);
+            }
             away(&error)
         })
     })?;

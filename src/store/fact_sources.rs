@@ -1,6 +1,7 @@
 //! Sources of facts: the maps of this server, and those of others, for copies.
 
 use super::facts::{FactSource, MapFacts, Order};
+use super::postgres::change_log;
 use super::rows::load::{Db, facts_of, load, map_row};
 use super::{Store, StoreError};
 use crate::domain::change::Change;
@@ -41,16 +42,21 @@ impl FactSource for FactsForCopies<'_> {
 }
 
 impl Store {
-    /// Returns the row of a map of this server, without its changes.
-    pub async fn map_facts(&self, id: &MapId) -> Result<Option<MapFacts>, StoreError> {
+    /// Returns the row of a map of this server, without its changes; `None` if it was not rewritten so often, as its copy was when it was
+    /// loaded.
+    pub async fn map_facts(&self, id: &MapId, rewrites: i64) -> Result<Option<MapFacts>, StoreError> {
         let mut db = self.snapshot().await?;
-        let facts = match map_row(&mut db, id).await? {
-            Some(row) => Some(facts_of(&mut db, &row).await.map_err(|error| error.of_map(id))?),
-            None => None,
-        };
+        let mut facts = None;
+        if let Some(row) = map_row(&mut db, id).await? {
+            facts = Some(facts_of(&mut db, &row).await.map_err(|error| error.of_map(id))?);
+        }
         self.expect_ours(&mut db, facts.as_ref()).await?;
+        let rewritten = match &facts {
+            Some(facts) => change_log::rewrites(&mut db, facts.key).await?,
+            None => 0,
+        };
         db.commit().await?;
-        Ok(facts)
+        Ok(facts.filter(|_| rewritten == rewrites))
     }
 
     async fn expect_ours(&self, db: &mut Db, facts: Option<&MapFacts>) -> Result<(), StoreError> {

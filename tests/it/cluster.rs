@@ -1,11 +1,15 @@
 //! Several servers over one PostgreSQL database, in a database of its own for each test.
 
+use std::net::SocketAddr;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
+use sqlx::{Connection as _, PgConnection};
+use tokio::net::TcpListener;
 
-use crate::support::{Answer, Server, keyframe};
+use crate::support::{Answer, Server, keyframe, postgres_of};
 
 /// Longer than a lease lasts, with the time to notice it.
 const OWNERS_SETTLE: Duration = Duration::from_secs(40);
@@ -209,4 +213,65 @@ async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
     let erasure = settled(&other, Method::GET, &format!("{erase}/e-3"), None).await.expect(200);
     assert_eq!(erasure["keyframes"], json!(KEYFRAMES - 10), "counted here and there: {erasure:#}");
     other.stop().await;
+}
+
+/// Gives a map to a server that nobody reaches, as if it had been killed just after it extended its leases.
+async fn left_by_a_silent_server(directory: &Path, map: &str, lasts_s: f64) {
+    let mut db = PgConnection::connect(&postgres_of(directory).await).await.expect("the database");
+    let address = format!("http://{}", unheard().await);
+    let insert = "insert into nodes (node, address, secret, schema, expires)
+        values ('silent', $1, 'secret', 1000, clock_timestamp() + make_interval(secs => $2))";
+    sqlx::query(insert).bind(address).bind(lasts_s).execute(&mut db).await.expect("a row");
+    let update =
+        "update map_owners set owner = 'silent', epoch = epoch + 1, expires = clock_timestamp() + make_interval(secs => $2)
+        where map_key = (select map_key from maps where id = $1)";
+    let given = sqlx::query(update).bind(map).bind(lasts_s).execute(&mut db).await.expect("a row");
+    assert_eq!(given.rows_affected(), 1);
+}
+
+/// Returns an address on which nobody listens.
+async fn unheard() -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    listener.local_addr().expect("an address")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs REVISIT_TEST_POSTGRES"]
+async fn a_map_of_a_server_that_fell_silent_is_loaded_while_its_lease_runs_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::among_others(folder.path()).await;
+    server.put("/v1/maps/m", &json!({})).await;
+    for number in 0..12 {
+        server.put(&format!("/v1/maps/m/keyframes/kf-{number}"), &shot(number)).await;
+    }
+    let reads = ["/v1/maps/m", "/v1/maps/m/keyframes/kf-7", "/v1/maps/m/export"];
+    let mut before = Vec::new();
+    for path in reads {
+        before.push(server.get(path).await.bytes);
+    }
+    server.stop().await;
+    left_by_a_silent_server(folder.path(), "m", 6.0).await;
+    let server = Server::among_others(folder.path()).await;
+    let refused = server.get("/v1/maps/m").await;
+    assert_eq!(refused.status, StatusCode::SERVICE_UNAVAILABLE, "{refused:#?}");
+    let begun = Instant::now();
+    while server.figure("revisit_followed_maps").await == 0 {
+        assert!(begun.elapsed() < OWNERS_SETTLE, "the map is not loaded ahead");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    // Nobody else decides while the lease lasts.
+    assert_eq!(server.figure("revisit_leases").await, 0);
+    for (path, before) in reads.into_iter().zip(before) {
+        let read = settled(&server, Method::GET, path, None).await;
+        assert_eq!((read.status, &read.bytes), (StatusCode::OK, &before), "{path}");
+    }
+    let figures = ["revisit_map_promotions", "revisit_map_loads", "revisit_followed_maps", "revisit_leases"];
+    let mut told = Vec::new();
+    for name in figures {
+        told.push(server.figure(name).await);
+    }
+    assert_eq!(told, [1, 1, 0, 1], "{figures:?}");
+    let written = settled_put(&server, "/v1/maps/m/keyframes/kf-12", &shot(12)).await;
+    assert_eq!(written["map_version"], 14);
+    server.stop().await;
 }

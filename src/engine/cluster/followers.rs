@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::engine::maps::live::LiveMap;
+use tokio::sync::Semaphore;
+
+use crate::domain::ids::MapId;
 use crate::engine::maps::registry::Registry;
 use crate::store::MapKey;
 
@@ -14,6 +16,9 @@ const PART_OF_MEMORY: u64 = 4;
 
 /// A copy that nobody asked for so long is given up.
 const UNUSED_KEPT: Duration = Duration::from_mins(1);
+
+/// Maps that are loaded ahead at once. Further ones are loaded when this server has them.
+const AHEAD_AT_ONCE: usize = 2;
 
 /// The copies of maps that other servers own.
 #[derive(Debug)]
@@ -25,6 +30,8 @@ pub(in crate::engine) struct Followers {
     up_to_date: Mutex<Option<Instant>>,
     /// The last use of each copy, and since when it is the last.
     uses: Mutex<HashMap<MapKey, (u64, Instant)>>,
+    /// The turns of copies that are loaded ahead.
+    pub(super) ahead: Arc<Semaphore>,
 }
 
 impl Followers {
@@ -36,11 +43,12 @@ impl Followers {
             loaded_anew: AtomicU64::new(0),
             up_to_date: Mutex::default(),
             uses: Mutex::default(),
+            ahead: Arc::new(Semaphore::new(AHEAD_AT_ONCE)),
         }
     }
 
     /// Returns the copies; those that nobody asked for in a while are given up.
-    pub(super) fn in_use(&self) -> Vec<Arc<LiveMap>> {
+    pub(super) fn in_use(&self) -> Vec<(MapId, MapKey)> {
         let now = Instant::now();
         let mut uses = self.uses.lock().unwrap_or_else(PoisonError::into_inner);
         let mut copies = self.registry.in_memory(|live| !live.is_over());
@@ -58,7 +66,7 @@ impl Followers {
             is_used
         });
         uses.retain(|key, _| copies.iter().any(|copy| copy.key == *key));
-        copies
+        copies.iter().map(|copy| (copy.id.clone(), copy.key)).collect()
     }
 
     pub(super) fn count_versions(&self, versions: usize) {

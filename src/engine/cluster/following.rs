@@ -101,6 +101,10 @@ impl Service {
         if !self.follows || self.registry.in_memory_now(map).is_some() {
             return self.live(map).await;
         }
+        // One whose copy was promoted a moment ago.
+        if self.owned.has(map) {
+            return Err(not_up_to_date());
+        }
         let (service, map) = (self.clone(), map.clone());
         let loading = tokio::spawn(async move { service.live(&map).await });
         timeout_at(deadline, loading).await.map_err(|_| not_up_to_date())?.map_err(ServiceError::panicked)?
@@ -158,19 +162,21 @@ impl Service {
             let mut looks = 0_u32;
             loop {
                 sleep(KEPT_UP_EVERY).await;
+                // By name: one that is promoted meanwhile is held by nobody.
                 let copies = service.followers.in_use();
                 if looks.is_multiple_of(TELLS_EVERY) && !copies.is_empty() {
-                    let keys: Vec<_> = copies.iter().map(|copy| copy.key).collect();
+                    let keys: Vec<_> = copies.iter().map(|(_, key)| *key).collect();
                     if let Err(error) = service.store.follow(&keys).await {
                         tracing::warn!(%error, "the owners of maps were not told that this server follows them");
                     }
                 }
                 looks = looks.wrapping_add(1);
                 let mut are_up_to_date = true;
-                for copy in &copies {
-                    if let Err(error) = service.keep_up(copy, Effort::Little).await {
+                for (id, _) in &copies {
+                    let Some(copy) = service.registry.in_memory_now(id) else { continue };
+                    if let Err(error) = service.keep_up(&copy, Effort::Little).await {
                         are_up_to_date = false;
-                        tracing::debug!(map = %copy.id, %error, "a copy was not brought up to date");
+                        tracing::debug!(map = %id, %error, "a copy was not brought up to date");
                     }
                 }
                 if are_up_to_date {

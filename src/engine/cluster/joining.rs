@@ -17,14 +17,14 @@ impl Service {
         let Some(leases) = self.store.leases() else { return Ok(()) };
         let this = Node::new(leases.node(), address);
         self.store.succeed(&this).await?;
-        let nodes = self.store.renew(&this).await?;
+        let heard_of = self.store.renew(&this).await?;
         tracing::info!(
             node = this.id,
             address = this.address,
-            nodes = nodes.len(),
+            nodes = heard_of.len(),
             "joined the servers of this database"
         );
-        let membership = Membership::of(this, nodes);
+        let membership = Membership::of(this, heard_of);
         if self.membership.set(membership.clone()).is_err() {
             return Err(ServiceError::Internal("a server joins once".to_owned()));
         }
@@ -34,7 +34,7 @@ impl Service {
             loop {
                 tokio::time::sleep(RENEWED_EVERY).await;
                 match service.store.renew(&renewed.this).await {
-                    Ok(nodes) => renewed.set_nodes(nodes),
+                    Ok(heard_of) => renewed.set_list(heard_of),
                     Err(error) => tracing::warn!(%error, "leases were not renewed"),
                 }
             }

@@ -4,23 +4,38 @@
 //! as any copy that nobody asks for.
 
 use crate::domain::ids::MapId;
-use crate::engine::Service;
+use crate::engine::{Service, ServiceError};
 use crate::store::Node;
 
 impl Service {
-    /// Loads a map of a server that does not answer, if this one takes it when that one is gone.
+    /// Loads a map of a server that does not answer, if this one takes it when that one is gone, and it fits beside the copies
+    /// that are there or the maps. Once in the time of a lease, for the owner may answer others.
     pub fn load_ahead(&self, map: &MapId, silent: &Node) {
         let Some(membership) = self.membership.get() else { return };
         let copies = self.following();
-        if !membership.takes_after(map, silent) || copies.registry.has(map) {
+        if !membership.takes_after(map, silent) || self.registry.has(map) || copies.registry.has(map) {
+            return;
+        }
+        let Ok(turn) = self.followers.ahead.clone().try_acquire_owned() else { return };
+        if !membership.begins_ahead(map) {
             return;
         }
         let map = map.clone();
         tokio::spawn(async move {
-            tracing::info!(%map, "its server does not answer: the map is loaded as a copy");
-            if let Err(error) = copies.live(&map).await {
+            let _turn = turn;
+            if let Err(error) = copies.load_copy_of(&map).await {
                 tracing::debug!(%map, %error, "a map was not loaded ahead");
             }
         });
+    }
+
+    async fn load_copy_of(&self, map: &MapId) -> Result<(), ServiceError> {
+        let about = self.store.map_memory(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
+        let fits = [&self.registry, &self.owned].iter().any(|registry| registry.memory.excess(about) == 0);
+        if !fits || self.owned.has(map) {
+            return Ok(());
+        }
+        tracing::info!(%map, "its server does not answer: the map is loaded as a copy");
+        self.live(map).await.map(drop)
     }
 }

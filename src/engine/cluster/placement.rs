@@ -8,8 +8,8 @@ use crate::domain::ids::MapId;
 use crate::store::Node;
 
 /// Returns the one of these servers that should have a map; its releases are where it is. `None` of none.
-pub(super) fn placed<'n>(nodes: &'n [Node], map: &MapId) -> Option<&'n Node> {
-    nodes.iter().max_by_key(|node| (weight(node, map), &node.id))
+pub(super) fn placed<'n>(nodes: impl IntoIterator<Item = &'n Node>, map: &MapId) -> Option<&'n Node> {
+    nodes.into_iter().max_by_key(|node| (weight(node, map), &node.id))
 }
 
 fn weight(node: &Node, map: &MapId) -> [u8; 32] {
@@ -55,6 +55,6 @@ mod tests {
             let release = MapId::of_release(&map, &"v1".parse().expect("a name"));
             assert_eq!(placed(&one, &map), placed(&one, &release), "a release is where its map is");
         }
-        assert!(placed(&[], &maps()[0]).is_none());
+        assert!(placed(&[] as &[Node], &maps()[0]).is_none());
     }
 }

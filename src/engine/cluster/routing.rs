@@ -1,8 +1,16 @@
 //! Routing: where a request about a map is answered.
 
+use std::time::Duration;
+
+use tokio::time::timeout;
+
+use super::membership::Membership;
 use crate::domain::ids::MapId;
 use crate::engine::{Service, ServiceError};
 use crate::store::{Lease, Node, Owner};
+
+/// The time in which the database says who owns a map that is in memory.
+const OWNER_TOLD_IN: Duration = Duration::from_secs(1);
 
 /// The server that answers a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,10 +25,19 @@ impl Service {
     /// Returns where a request about a map is answered.
     pub async fn route(&self, map: &MapId) -> Result<Route, ServiceError> {
         let Some(membership) = self.membership.get() else { return Ok(Route::Here) };
-        // One whose lease ran out may be another server's by now, though this one has not noticed.
-        if self.registry.in_memory_now(map).is_some_and(|live| live.lease().is_none_or(Lease::is_valid)) {
-            return Ok(Route::Here);
+        if let Some(live) = self.registry.in_memory_now(map) {
+            if live.lease().is_none_or(Lease::is_valid) {
+                return Ok(Route::Here);
+            }
+            // Another server may have it by now, though this one has not noticed. If the database does not say, it is refused here.
+            drop(live);
+            let elsewhere = timeout(OWNER_TOLD_IN, self.route_by_owner(membership, map)).await;
+            return elsewhere.unwrap_or(Ok(Route::Here));
         }
+        self.route_by_owner(membership, map).await
+    }
+
+    async fn route_by_owner(&self, membership: &Membership, map: &MapId) -> Result<Route, ServiceError> {
         if let Some(node) = membership.owner_before(map) {
             return Ok(Route::At(node));
         }
@@ -61,7 +78,7 @@ impl Service {
 
     /// Returns the number of servers that share the database; 0 where one alone has it.
     pub fn node_count(&self) -> u64 {
-        self.membership.get().map_or(0, |membership| membership.nodes().len() as u64)
+        self.membership.get().map_or(0, |membership| membership.count() as u64)
     }
 
     /// Returns the address at which the others reach this server, where there may be others.

@@ -66,6 +66,7 @@ impl Registry {
         let (registry, store, id, handle) = (self.clone(), store.clone(), id.clone(), Handle::current());
         let loading = move || {
             let _turn = turn;
+            let _loading = registry.loads.loading(&id);
             registry.make_room(about);
             let started = Instant::now();
             let loaded = handle.block_on(async {

@@ -1,12 +1,14 @@
 //! Loads: the turns of maps to come to memory, and counts of loads and evictions.
 
-use std::sync::Arc;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::live::LiveMap;
+use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::cores;
 use crate::store::StoreError;
@@ -18,11 +20,22 @@ pub(in crate::engine) enum Used {
     InBackground,
 }
 
+/// A map that is being loaded, as long as this is held.
+pub(in crate::engine) struct Loading<'l>(&'l Loads, MapId);
+
+impl Drop for Loading<'_> {
+    fn drop(&mut self) {
+        self.0.lock_loading().remove(&self.1);
+    }
+}
+
 /// The loads and evictions under way, and how many there were.
 #[derive(Debug)]
 pub(in crate::engine) struct Loads {
     turns: Arc<Semaphore>,
     at_once: u32,
+    /// Maps that have their turn.
+    loading: Mutex<HashSet<MapId>>,
     /// Counts uses, to tell which came first.
     uses: AtomicU64,
     is_evicting: AtomicBool,
@@ -51,6 +64,7 @@ impl Default for Loads {
         Self {
             turns: Arc::new(Semaphore::new(at_once)),
             at_once: at_once as u32,
+            loading: Mutex::default(),
             uses: AtomicU64::new(0),
             is_evicting: AtomicBool::new(false),
             loaded: AtomicU64::new(0),
@@ -67,6 +81,21 @@ impl Loads {
     pub async fn turn(&self, alone: bool) -> Result<OwnedSemaphorePermit, ServiceError> {
         let turns = if alone { self.at_once } else { 1 };
         Ok(self.turns.clone().acquire_many_owned(turns).await.map_err(|_| StoreError::Closed)?)
+    }
+
+    /// Notes that a map has its turn.
+    pub fn loading(&self, map: &MapId) -> Loading<'_> {
+        self.lock_loading().insert(map.clone());
+        Loading(self, map.clone())
+    }
+
+    /// Whether a map has its turn.
+    pub fn is_loading(&self, map: &MapId) -> bool {
+        self.lock_loading().contains(map)
+    }
+
+    fn lock_loading(&self) -> MutexGuard<'_, HashSet<MapId>> {
+        self.loading.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Marks a map as the one used last. Work in the background does not count as use.

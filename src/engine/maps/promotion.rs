@@ -31,13 +31,17 @@ impl Registry {
         store: &Store,
         id: &MapId,
     ) -> Result<Option<RebuiltMap>, ServiceError> {
-        let Some(copies) = self.copies.as_ref().filter(|copies| copies.has(id)) else { return Ok(None) };
+        let Some(copies) = &self.copies else { return Ok(None) };
         // One that is being loaded is waited for: it began before a load that would begin now.
+        if copies.in_memory_now(id).is_none() && !copies.loads.is_loading(id) {
+            return Ok(None);
+        }
         let Ok(copy) = copies.get(store, id, Used::InBackground).await else { return Ok(None) };
         let facts = up_to_date(store, &copy).await;
         copy.throw_away();
         copies.forget_over(id);
-        let (Some(facts), Some(copy)) = (facts?, alone(copy).await) else { return Ok(None) };
+        let Some(facts) = facts? else { return Ok(None) };
+        let Some(copy) = alone(copy).await else { return Ok(None) };
         let Ok(mut state) = copy.state.into_inner() else { return Ok(None) };
         if (state.version, state.index.figures()) != (facts.version, facts.figures) {
             tracing::warn!(map = %id, version = state.version, "a copy is not as the map's row says; the map is loaded");
@@ -68,7 +72,8 @@ async fn up_to_date(store: &Store, copy: &LiveMap) -> Result<Option<MapFacts>, S
             News::Unknown | News::Gone => return Ok(None),
         }
     }
-    Ok(store.map_facts(&copy.id).await?.filter(|facts| facts.key == copy.key))
+    let facts = store.map_facts(&copy.id, rewrites).await?;
+    Ok(facts.filter(|facts| facts.key == copy.key))
 }
 
 /// Returns a copy that nobody can get any more, once its last reader is done; `None` if that takes long.

@@ -61,6 +61,13 @@ pub(in crate::store) async fn forget(db: &mut Connection, map: MapKey) -> Result
     Ok(())
 }
 
+/// Returns how often a map was rewritten.
+pub(in crate::store) async fn rewrites(db: &mut Connection, map: MapKey) -> Result<i64, StoreError> {
+    let select = "select rewritten from map_rewrites where map_key = $1";
+    let found = sql::query_scalar(select).bind(map).fetch_optional(db).await?;
+    Ok(found.unwrap_or(0))
+}
+
 impl Store {
     /// Returns how often a map was rewritten: to be asked before the map is loaded.
     pub async fn rewrites(&self, map: MapKey) -> Result<i64, StoreError> {
@@ -69,9 +76,7 @@ impl Store {
             "insert into map_rewrites (map_key, rewritten) select map_key, 0 from maps where map_key = $1
             on conflict do nothing";
         sql::query(insert).bind(map).execute(&self.readers).await?;
-        let select = "select rewritten from map_rewrites where map_key = $1";
-        let found = sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
-        Ok(found.unwrap_or(0))
+        rewrites(&mut self.readers.acquire().await?, map).await
     }
 
     /// Returns what happened to a map since this version, and since it was rewritten so often.

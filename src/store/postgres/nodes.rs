@@ -33,6 +33,15 @@ impl Node {
     }
 }
 
+/// A server that was heard of lately.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HeardOf {
+    /// The server.
+    pub node: Node,
+    /// The time for which it counts as there if it is not heard of again.
+    pub lasts: Duration,
+}
+
 /// The owner of a map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Owner {
@@ -65,7 +74,7 @@ impl Store {
     }
 
     /// Says that a server is there, extends its leases, and returns all that are there.
-    pub async fn renew(&self, node: &Node) -> Result<Vec<Node>, StoreError> {
+    pub async fn renew(&self, node: &Node) -> Result<Vec<HeardOf>, StoreError> {
         let Some(leases) = &self.leases else { return Ok(Vec::new()) };
         let upsert = "insert into nodes (node, address, secret, schema, expires)
             values ($1, $2, $3, $4, clock_timestamp() + make_interval(secs => $5))
@@ -80,9 +89,14 @@ impl Store {
             where deleted = 2 and substr(id, 10, 32) not in (select node from nodes)";
         sql::query(copies).execute(leases.pool()).await?;
         let select =
-            "select node, address, secret from nodes where expires > clock_timestamp() order by node";
-        let rows: Vec<(String, String, String)> = sql::query_as(select).fetch_all(leases.pool()).await?;
-        Ok(rows.into_iter().map(|(id, address, secret)| Node { id, address, secret }).collect())
+            "select node, address, secret, cast(extract(epoch from expires - clock_timestamp()) as float8)
+            from nodes where expires > clock_timestamp() order by node";
+        let rows: Vec<(String, String, String, f64)> = sql::query_as(select).fetch_all(leases.pool()).await?;
+        let heard_of = rows.into_iter().map(|(id, address, secret, lasts_s)| HeardOf {
+            node: Node { id, address, secret },
+            lasts: Duration::try_from_secs_f64(lasts_s).unwrap_or_default(),
+        });
+        Ok(heard_of.collect())
     }
 
     /// Returns who owns a map now; `None` if there is no such map.
