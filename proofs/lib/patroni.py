@@ -115,7 +115,9 @@ class Member:
         return {
             "scope": SCOPE, "name": self.name,
             "restapi": {"listen": rest, "connect_address": rest},
-            "etcd3": {"host": f"127.0.0.1:{etcd_port}"},
+            # Its second protocol: by the third one, Patroni 3.0.2 (Debian 12) sometimes names no synchronous standby any more after a
+            # switchover, as it takes the key for one that somebody else changed.
+            "etcd": {"host": f"127.0.0.1:{etcd_port}"},
             "bootstrap": {
                 "dcs": {
                     "ttl": TTL_S, "loop_wait": LOOP_WAIT_S, "retry_timeout": RETRY_TIMEOUT_S,
@@ -263,7 +265,7 @@ class FailingOver:
         self.etcd_port, peer = free_port(), f"http://127.0.0.1:{free_port()}"
         here = f"http://127.0.0.1:{self.etcd_port}"
         self.etcd_command = [
-            program("etcd"), "--name", "etcd", "--data-dir", self.folder / "etcd", "--listen-client-urls", here,
+            program("etcd"), "--enable-v2", "--name", "etcd", "--data-dir", self.folder / "etcd", "--listen-client-urls", here,
             "--advertise-client-urls", here, "--listen-peer-urls", peer, "--initial-advertise-peer-urls", peer,
             "--initial-cluster", f"etcd={peer}"]
         self.etcd = None
