@@ -79,8 +79,11 @@ impl Membership {
         self.list.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Notes the servers that the database tells of now.
+    /// Notes the servers that the database tells of now; nothing if this one is not among them, which was away and renews soon.
     pub(super) fn set_list(&self, heard_of: Vec<HeardOf>) {
+        if !heard_of.iter().any(|heard| heard.node.id == self.this.id) {
+            return;
+        }
         let list = Arc::new(List { heard_of, told: Instant::now() });
         *self.list.write().unwrap_or_else(PoisonError::into_inner) = list;
     }

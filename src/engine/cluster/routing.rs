@@ -41,10 +41,6 @@ impl Service {
         if let Some(node) = membership.owner_before(map) {
             return Ok(Route::At(node));
         }
-        let placed = || {
-            let node = membership.placed(map);
-            if node.id == membership.this.id { Route::Here } else { Route::At(node) }
-        };
         match self.store.owner(map).await? {
             Some(Owner::Other(id, node)) => {
                 membership.note_owner(map, &id);
@@ -55,7 +51,14 @@ impl Service {
                 })
             }
             // One that is to be made is made where it should be.
-            Some(Owner::Free) | None => Ok(placed()),
+            Some(Owner::Free) | None => {
+                if !membership.should_have(map) {
+                    // A server that left since the last renewal would be asked in vain.
+                    membership.set_list(self.store.heard_of().await?);
+                }
+                let node = membership.placed(map);
+                Ok(if node.id == membership.this.id { Route::Here } else { Route::At(node) })
+            }
         }
     }
 

@@ -88,6 +88,12 @@ impl Store {
         let copies = "update maps set deleted = 1, id = 'deleted//' || map_key
             where deleted = 2 and substr(id, 10, 32) not in (select node from nodes)";
         sql::query(copies).execute(leases.pool()).await?;
+        self.heard_of().await
+    }
+
+    /// Returns the servers that are there.
+    pub async fn heard_of(&self) -> Result<Vec<HeardOf>, StoreError> {
+        let Some(leases) = &self.leases else { return Ok(Vec::new()) };
         let select =
             "select node, address, secret, cast(extract(epoch from expires - clock_timestamp()) as float8)
             from nodes where expires > clock_timestamp() order by node";
