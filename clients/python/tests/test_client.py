@@ -113,9 +113,9 @@ def test_events_arrive_in_order_and_resume(client: Client, map_id: str) -> None:
         client.put_keyframe(map_id, f"kf-{number}", keyframe(number, f"90{number}", 20.0 * number)).detections[0].anchor
         for number in range(5)
     ]
-    first = list(client.listen(map_id, stop_when_idle_s=1.0))
+    first = list(client.listen(map_id, stop_when_idle_s=3.0))
     assert [event.anchor for event in first if event.event == "anchor_described"] == anchors
-    rest = list(client.listen(map_id, since=first[2].seq, stop_when_idle_s=1.0))
+    rest = list(client.listen(map_id, since=first[2].seq, stop_when_idle_s=3.0))
     assert [event.seq for event in rest] == [event.seq for event in first[3:]]
 
 
@@ -142,7 +142,7 @@ def test_the_async_client_does_the_same(server: Server, map_id: str) -> None:
                     yield {"id": f"kf-{number}", **keyframe(number, f"90{number}", 20.0 * number)}
 
             lines = [line.status async for line in client.put_keyframes(map_id, items())]
-            events = [event.event async for event in client.listen(map_id, stop_when_idle_s=1.0)]
+            events = [event.event async for event in client.listen(map_id, stop_when_idle_s=3.0)]
             try:
                 await client.get_map("nowhere")
             except ProblemError as problem:

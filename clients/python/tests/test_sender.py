@@ -9,7 +9,7 @@ from samples import keyframe
 def stored(client: Client, map_id: str) -> list[str]:
     """Return the ids of a map's keyframes in the order of arrival: each described an anchor of its own."""
     texts = []
-    for event in client.listen(map_id, stop_when_idle_s=1.0):
+    for event in client.listen(map_id, stop_when_idle_s=3.0):
         if event.event == "anchor_described":
             anchor = client.get_anchor(map_id, event.anchor or "")
             texts.append(anchor.keyframes[0])
