@@ -15,8 +15,8 @@ from server import Client, Gone
 
 # Keyframes of a map that are compared also as answered from memory.
 ASKED_AGAIN = 50
-# As long may a server refuse for the moment what is asked at the end.
-PATIENCE_S = 30
+# Longest time for which an answer at the end may be 503.
+MAX_503_S = 30
 
 
 def keyframe(name):
@@ -190,7 +190,7 @@ def stored(ask, traffic):
 
 
 def not_as_exported(clients, name, kept):
-    answer = patiently(clients, f"/v1/maps/{name}/export")
+    answer = ask_until_served(clients, f"/v1/maps/{name}/export")
     if answer.status != 200:
         return dict.fromkeys(kept.keyframes, f"the export is {answer}")
     exported = [json.loads(line) for line in answer.body.splitlines() if line]
@@ -201,15 +201,15 @@ def not_as_exported(clients, name, kept):
 def not_as_answered(clients, name, kept):
     other = {}
     for each in random.sample(sorted(kept.keyframes), min(ASKED_AGAIN, len(kept.keyframes))):
-        answer = patiently(clients, f"/v1/maps/{name}/keyframes/{each}")
+        answer = ask_until_served(clients, f"/v1/maps/{name}/keyframes/{each}")
         if answer.status != 200 or not same(keyframe(each), answer.json()):
             other[each] = f"answered is {answer}"
     return other
 
 
-def patiently(clients, path):
+def ask_until_served(clients, path):
     """Asks random servers until one does not refuse for the moment: after the last fault maps still move."""
-    end = time.monotonic() + PATIENCE_S
+    end = time.monotonic() + MAX_503_S
     while True:
         client = random.choice(clients)
         answer = client.ask("GET", path)
