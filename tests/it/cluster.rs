@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use sqlx::{Connection as _, PgConnection};
-use tokio::net::TcpListener;
+use tokio::net::TcpSocket;
 
 use crate::support::{Answer, Server, keyframe, postgres_of};
 
@@ -216,9 +216,9 @@ async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
 }
 
 /// Gives a map to a server that nobody reaches, as if it had been killed just after it extended its leases.
-async fn left_by_a_silent_server(directory: &Path, map: &str, lasts_s: f64) {
+async fn left_by_a_silent_server(directory: &Path, map: &str, address: SocketAddr) {
     let mut db = PgConnection::connect(&postgres_of(directory).await).await.expect("the database");
-    let address = format!("http://{}", unheard().await);
+    let (address, lasts_s) = (format!("http://{address}"), 8.0);
     let insert = "insert into nodes (node, address, secret, schema, expires)
         values ('silent', $1, 'secret', 1000, clock_timestamp() + make_interval(secs => $2))";
     sqlx::query(insert).bind(address).bind(lasts_s).execute(&mut db).await.expect("a row");
@@ -227,12 +227,6 @@ async fn left_by_a_silent_server(directory: &Path, map: &str, lasts_s: f64) {
         where map_key = (select map_key from maps where id = $1)";
     let given = sqlx::query(update).bind(map).bind(lasts_s).execute(&mut db).await.expect("a row");
     assert_eq!(given.rows_affected(), 1);
-}
-
-/// Returns an address on which nobody listens.
-async fn unheard() -> SocketAddr {
-    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
-    listener.local_addr().expect("an address")
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -250,8 +244,11 @@ async fn a_map_of_a_server_that_fell_silent_is_loaded_while_its_lease_runs_out()
         before.push(server.get(path).await.bytes);
     }
     server.stop().await;
-    left_by_a_silent_server(folder.path(), "m", 6.0).await;
     let server = Server::among_others(folder.path()).await;
+    // It has an address and does not listen.
+    let silent = TcpSocket::new_v4().expect("a socket");
+    silent.bind(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a port");
+    left_by_a_silent_server(folder.path(), "m", silent.local_addr().expect("an address")).await;
     let refused = server.get("/v1/maps/m").await;
     assert_eq!(refused.status, StatusCode::SERVICE_UNAVAILABLE, "{refused:#?}");
     let begun = Instant::now();
@@ -259,7 +256,7 @@ async fn a_map_of_a_server_that_fell_silent_is_loaded_while_its_lease_runs_out()
         assert!(begun.elapsed() < OWNERS_SETTLE, "the map is not loaded ahead");
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
-    // Nobody else decides while the lease lasts.
+    // No lease is taken while the other one lasts.
     assert_eq!(server.figure("revisit_leases").await, 0);
     for (path, before) in reads.into_iter().zip(before) {
         let read = settled(&server, Method::GET, path, None).await;
