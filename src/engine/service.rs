@@ -108,7 +108,7 @@ impl Service {
     /// Returns a map for a client, loaded if it was not in memory.
     pub(super) async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         let was_in_memory = self.registry.in_memory_now(id).is_some();
-        self.should_have(id, was_in_memory)?;
+        self.should_have(id, was_in_memory).await?;
         let live = self.registry.get(&self.store, id, Used::ByClient).await?;
         if !was_in_memory {
             // Its anchors may lack what a model that was configured since could give.
@@ -132,18 +132,28 @@ impl Service {
 
     /// Returns a map for background work: it does not count as used.
     pub(super) async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
-        self.should_have(id, self.registry.in_memory_now(id).is_some())?;
+        self.should_have(id, self.registry.in_memory_now(id).is_some()).await?;
         self.registry.get(&self.store, id, Used::InBackground).await
     }
 
     /// Fails for a map that is not in memory where another server should have it.
-    pub(in crate::engine) fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<(), ServiceError> {
-        match self.membership.get() {
-            Some(membership) if !self.follows && !is_in_memory && !membership.should_have(id) => {
-                let detail = "another server should have this map; ask it, or try again".to_owned();
-                Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
-            }
-            _ => Ok(()),
+    pub(in crate::engine) async fn should_have(
+        &self,
+        id: &MapId,
+        is_in_memory: bool,
+    ) -> Result<(), ServiceError> {
+        let Some(membership) = self.membership.get().filter(|_| !self.follows && !is_in_memory) else {
+            return Ok(());
+        };
+        if membership.should_have(id) {
+            return Ok(());
         }
+        // Another server may know already that the one that should have had it is gone.
+        membership.read_list(&self.store).await;
+        if membership.should_have(id) {
+            return Ok(());
+        }
+        let detail = "another server should have this map; ask it, or try again".to_owned();
+        Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
     }
 }

@@ -42,8 +42,7 @@ impl FactSource for FactsForCopies<'_> {
 }
 
 impl Store {
-    /// Returns the row of a map of this server, without its changes; `None` if it was not rewritten so often, as its copy was when it was
-    /// loaded.
+    /// Returns the row of a map of this server, without its changes; `None` unless its count of rewrites is still `rewrites`.
     pub async fn map_facts(&self, id: &MapId, rewrites: i64) -> Result<Option<MapFacts>, StoreError> {
         let mut db = self.snapshot().await?;
         let mut facts = None;

@@ -64,7 +64,7 @@ pub use inspection::{Inspected, Inspection, RowFindings};
 pub use map_copy::MapCopy;
 pub use postgres::change_log::News;
 pub use postgres::leases::{Lease, Leases, Taken};
-pub use postgres::nodes::{HeardOf, Node, Owner};
+pub use postgres::nodes::{LiveNode, Node, Owner};
 pub use postgres::shares::{DayLimit, Elsewhere};
 pub use rows::erasure_rows::OpenErasure;
 pub use rows::judgement_rows::Fingerprints;

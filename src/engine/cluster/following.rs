@@ -162,7 +162,7 @@ impl Service {
             let mut looks = 0_u32;
             loop {
                 sleep(KEPT_UP_EVERY).await;
-                // By name: one that is promoted meanwhile is held by nobody.
+                // By name: no task may hold one for long, or it could not be promoted.
                 let copies = service.followers.in_use();
                 if looks.is_multiple_of(TELLS_EVERY) && !copies.is_empty() {
                     let keys: Vec<_> = copies.iter().map(|(_, key)| *key).collect();

@@ -1,7 +1,7 @@
 //! Joining and leaving: this server's row among those that share its database, and the renewal of its leases.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::membership::Membership;
 use crate::engine::{Service, ServiceError};
@@ -17,14 +17,15 @@ impl Service {
         let Some(leases) = self.store.leases() else { return Ok(()) };
         let this = Node::new(leases.node(), address);
         self.store.succeed(&this).await?;
-        let heard_of = self.store.renew(&this).await?;
+        let asked = Instant::now();
+        let nodes = self.store.renew(&this).await?;
         tracing::info!(
             node = this.id,
             address = this.address,
-            nodes = heard_of.len(),
+            nodes = nodes.len(),
             "joined the servers of this database"
         );
-        let membership = Membership::of(this, heard_of);
+        let membership = Membership::of(this, asked, nodes);
         if self.membership.set(membership.clone()).is_err() {
             return Err(ServiceError::Internal("a server joins once".to_owned()));
         }
@@ -33,8 +34,9 @@ impl Service {
         tokio::spawn(closing.run_until_cancelled_owned(async move {
             loop {
                 tokio::time::sleep(RENEWED_EVERY).await;
+                let asked = Instant::now();
                 match service.store.renew(&renewed.this).await {
-                    Ok(heard_of) => renewed.set_list(heard_of),
+                    Ok(nodes) => renewed.set_list(asked, nodes),
                     Err(error) => tracing::warn!(%error, "leases were not renewed"),
                 }
             }

@@ -8,8 +8,8 @@ use crate::engine::{Service, ServiceError};
 use crate::store::Node;
 
 impl Service {
-    /// Loads a map of a server that does not answer, if this one takes it when that one is gone, and it fits beside the copies
-    /// that are there or the maps. Once in the time of a lease, for the owner may answer others.
+    /// Loads a map of a server that does not answer, if this one takes it when that one is gone and there is memory for it. At most
+    /// once per lease duration, as the owner may still answer other servers.
     pub fn load_ahead(&self, map: &MapId, silent: &Node) {
         let Some(membership) = self.membership.get() else { return };
         let copies = self.following();
@@ -17,7 +17,7 @@ impl Service {
             return;
         }
         let Ok(turn) = self.followers.ahead.clone().try_acquire_owned() else { return };
-        if !membership.begins_ahead(map) {
+        if !membership.try_begin_ahead(map) {
             return;
         }
         let map = map.clone();
@@ -31,7 +31,9 @@ impl Service {
 
     async fn load_copy_of(&self, map: &MapId) -> Result<(), ServiceError> {
         let about = self.store.map_memory(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
-        let fits = [&self.registry, &self.owned].iter().any(|registry| registry.memory.excess(about) == 0);
+        let (copies, owned) = (&self.registry.memory, &self.owned.memory);
+        // A large one may take what it will take as this server's own, while there is no other copy.
+        let fits = copies.excess(about) == 0 || copies.used() == 0 && owned.excess(about) == 0;
         if !fits || self.owned.has(map) {
             return Ok(());
         }

@@ -9,8 +9,8 @@ use crate::domain::ids::MapId;
 use crate::engine::{Service, ServiceError};
 use crate::store::{Lease, Node, Owner};
 
-/// The time in which the database says who owns a map that is in memory.
-const OWNER_TOLD_IN: Duration = Duration::from_secs(1);
+/// The longest wait for the database to say who owns a map that is in memory.
+const OWNER_LOOKUP_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The server that answers a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,8 +31,13 @@ impl Service {
             }
             // Another server may have it by now, though this one has not noticed. If the database does not say, it is refused here.
             drop(live);
-            let elsewhere = timeout(OWNER_TOLD_IN, self.route_by_owner(membership, map)).await;
-            return elsewhere.unwrap_or(Ok(Route::Here));
+            let (service, membership, map) = (self.clone(), membership.clone(), map.clone());
+            // In a task of its own: a question that is broken off closes its connection.
+            let asking = tokio::spawn(async move { service.route_by_owner(&membership, &map).await });
+            return match timeout(OWNER_LOOKUP_TIMEOUT, asking).await {
+                Ok(told) => told.map_err(ServiceError::panicked)?,
+                Err(_) => Ok(Route::Here),
+            };
         }
         self.route_by_owner(membership, map).await
     }
@@ -54,7 +59,7 @@ impl Service {
             Some(Owner::Free) | None => {
                 if !membership.should_have(map) {
                     // A server that left since the last renewal would be asked in vain.
-                    membership.set_list(self.store.heard_of().await?);
+                    membership.read_list(&self.store).await;
                 }
                 let node = membership.placed(map);
                 Ok(if node.id == membership.this.id { Route::Here } else { Route::At(node) })

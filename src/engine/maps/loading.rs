@@ -8,10 +8,11 @@ use std::time::Instant;
 
 use tokio::runtime::Handle;
 use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
 
 use super::live::LiveMap;
 use super::loads::Used;
-use super::registry::Registry;
+use super::registry::{Cell, Registry};
 use super::standing::Standing;
 use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
@@ -32,17 +33,12 @@ impl Registry {
     ) -> Result<Arc<LiveMap>, ServiceError> {
         for _ in 0..LOADS_MAX {
             let cell = self.cell(id);
-            match cell.get_or_try_init(|| self.load(store, id)).await {
-                Ok(live) if live.is_over() => self.forget(id, &cell),
-                Ok(live) if self.holds(id, &cell) => {
-                    self.loads.mark_used(live, used);
-                    return Ok(live.clone());
-                }
-                Ok(_) => {}
-                Err(error) => {
-                    self.forget(id, &cell);
-                    return Err(error);
-                }
+            let live = self.filled(&cell, store, id).await?;
+            if live.is_over() {
+                self.forget(id, &cell);
+            } else if self.holds(id, &cell) {
+                self.loads.mark_used(&live, used);
+                return Ok(live);
             }
         }
         Err(ServiceError::Unavailable {
@@ -52,7 +48,31 @@ impl Registry {
         })
     }
 
-    /// Loads a map, off the async threads: its index is built there. It goes to its end when its client has gone.
+    /// Returns the map of a cell, loaded if need be. A load goes to its end when its client has gone: the next one finds the map.
+    async fn filled(
+        self: &Arc<Self>,
+        cell: &Cell,
+        store: &Store,
+        id: &MapId,
+    ) -> Result<Arc<LiveMap>, ServiceError> {
+        if let Some(live) = cell.get() {
+            return Ok(live.clone());
+        }
+        let (registry, cell, store, id) = (self.clone(), cell.clone(), store.clone(), id.clone());
+        let loading = tokio::spawn(
+            async move {
+                let loaded = cell.get_or_try_init(|| registry.load(&store, &id)).await.cloned();
+                if loaded.is_err() {
+                    registry.forget(&id, &cell);
+                }
+                loaded
+            }
+            .in_current_span(),
+        );
+        loading.await.map_err(ServiceError::panicked)?
+    }
+
+    /// Loads a map, off the async threads: its index is built there.
     async fn load(self: &Arc<Self>, store: &Store, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         let mut about = store.map_memory(id).await?;
         if about.is_none() {
@@ -66,7 +86,7 @@ impl Registry {
         let (registry, store, id, handle) = (self.clone(), store.clone(), id.clone(), Handle::current());
         let loading = move || {
             let _turn = turn;
-            let _loading = registry.loads.loading(&id);
+            let _loading = registry.loads.begin_load(&id);
             registry.make_room(about);
             let started = Instant::now();
             let loaded = handle.block_on(async {

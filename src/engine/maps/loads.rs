@@ -20,10 +20,10 @@ pub(in crate::engine) enum Used {
     InBackground,
 }
 
-/// A map that is being loaded, as long as this is held.
-pub(in crate::engine) struct Loading<'l>(&'l Loads, MapId);
+/// Marks a map as being loaded until it is dropped.
+pub(in crate::engine) struct LoadGuard<'l>(&'l Loads, MapId);
 
-impl Drop for Loading<'_> {
+impl Drop for LoadGuard<'_> {
     fn drop(&mut self) {
         self.0.lock_loading().remove(&self.1);
     }
@@ -34,7 +34,7 @@ impl Drop for Loading<'_> {
 pub(in crate::engine) struct Loads {
     turns: Arc<Semaphore>,
     at_once: u32,
-    /// Maps that have their turn.
+    /// Maps that have their turn, and are being loaded.
     loading: Mutex<HashSet<MapId>>,
     /// Counts uses, to tell which came first.
     uses: AtomicU64,
@@ -83,13 +83,13 @@ impl Loads {
         Ok(self.turns.clone().acquire_many_owned(turns).await.map_err(|_| StoreError::Closed)?)
     }
 
-    /// Notes that a map has its turn.
-    pub fn loading(&self, map: &MapId) -> Loading<'_> {
+    /// Marks a map that has its turn as being loaded, until the guard is dropped.
+    pub fn begin_load(&self, map: &MapId) -> LoadGuard<'_> {
         self.lock_loading().insert(map.clone());
-        Loading(self, map.clone())
+        LoadGuard(self, map.clone())
     }
 
-    /// Whether a map has its turn.
+    /// Whether a map has its turn, and is being loaded.
     pub fn is_loading(&self, map: &MapId) -> bool {
         self.lock_loading().contains(map)
     }

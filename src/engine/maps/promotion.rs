@@ -76,7 +76,7 @@ async fn up_to_date(store: &Store, copy: &LiveMap) -> Result<Option<MapFacts>, S
     Ok(facts.filter(|facts| facts.key == copy.key))
 }
 
-/// Returns a copy that nobody can get any more, once its last reader is done; `None` if that takes long.
+/// Returns a copy that has left the table, once its last reader is done; `None` if that takes long.
 async fn alone(mut copy: Arc<LiveMap>) -> Option<LiveMap> {
     for _ in 0..LOOKS {
         match Arc::try_unwrap(copy) {

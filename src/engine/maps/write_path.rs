@@ -76,7 +76,7 @@ impl Service {
 
     /// Returns a map that was thrown away as it is on disk.
     async fn anew(&self, live: &LiveMap) -> Result<Arc<LiveMap>, ServiceError> {
-        self.should_have(&live.id, false)?;
+        self.should_have(&live.id, false).await?;
         let anew = self.registry.get(&self.store, &live.id, Used::ByClient).await?;
         if anew.key == live.key { Ok(anew) } else { Err(ServiceError::no_map(&live.id)) }
     }

@@ -6,7 +6,7 @@ use super::leases::{Lease, Leases, Taken};
 use super::opening::random_name;
 use super::schema;
 use crate::domain::ids::MapId;
-use crate::store::sql;
+use crate::store::sql::{self, Pool};
 use crate::store::{Store, StoreError};
 
 /// A server counts as gone so long after it was last heard of.
@@ -33,12 +33,12 @@ impl Node {
     }
 }
 
-/// A server that was heard of lately.
+/// A server that is there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct HeardOf {
+pub struct LiveNode {
     /// The server.
     pub node: Node,
-    /// The time for which it counts as there if it is not heard of again.
+    /// The time from the question on for which it counts as there without another renewal.
     pub lasts: Duration,
 }
 
@@ -50,6 +50,9 @@ pub enum Owner {
     /// Another server, by its id; with its row where it was heard of lately.
     Other(String, Option<Node>),
 }
+
+/// The owner of a map, its address and its secret.
+type OwnerRow = (Option<String>, Option<String>, Option<String>);
 
 impl Store {
     /// Returns the leases of this server; none where it alone has the database.
@@ -74,7 +77,7 @@ impl Store {
     }
 
     /// Says that a server is there, extends its leases, and returns all that are there.
-    pub async fn renew(&self, node: &Node) -> Result<Vec<HeardOf>, StoreError> {
+    pub async fn renew(&self, node: &Node) -> Result<Vec<LiveNode>, StoreError> {
         let Some(leases) = &self.leases else { return Ok(Vec::new()) };
         let upsert = "insert into nodes (node, address, secret, schema, expires)
             values ($1, $2, $3, $4, clock_timestamp() + make_interval(secs => $5))
@@ -88,21 +91,12 @@ impl Store {
         let copies = "update maps set deleted = 1, id = 'deleted//' || map_key
             where deleted = 2 and substr(id, 10, 32) not in (select node from nodes)";
         sql::query(copies).execute(leases.pool()).await?;
-        self.heard_of().await
+        live_nodes(leases.pool()).await
     }
 
-    /// Returns the servers that are there.
-    pub async fn heard_of(&self) -> Result<Vec<HeardOf>, StoreError> {
-        let Some(leases) = &self.leases else { return Ok(Vec::new()) };
-        let select =
-            "select node, address, secret, cast(extract(epoch from expires - clock_timestamp()) as float8)
-            from nodes where expires > clock_timestamp() order by node";
-        let rows: Vec<(String, String, String, f64)> = sql::query_as(select).fetch_all(leases.pool()).await?;
-        let heard_of = rows.into_iter().map(|(id, address, secret, lasts_s)| HeardOf {
-            node: Node { id, address, secret },
-            lasts: Duration::try_from_secs_f64(lasts_s).unwrap_or_default(),
-        });
-        Ok(heard_of.collect())
+    /// Returns the servers that are there. Renewals have a connection of their own and do not wait for this.
+    pub async fn live_nodes(&self) -> Result<Vec<LiveNode>, StoreError> {
+        live_nodes(&self.readers).await
     }
 
     /// Returns who owns a map now; `None` if there is no such map.
@@ -112,8 +106,7 @@ impl Store {
             from maps m left join map_owners o using (map_key)
             left join nodes n on n.node = o.owner and n.expires > clock_timestamp()
             where m.id = $1 and m.deleted = 0";
-        type Found = (Option<String>, Option<String>, Option<String>);
-        let found: Option<Found> =
+        let found: Option<OwnerRow> =
             sql::query_as(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
         Ok(found.map(|(owner, address, secret)| match owner {
             Some(id) if id != leases.node() => {
@@ -139,4 +132,16 @@ impl Store {
         sql::query("delete from nodes where node = $1").bind(leases.node()).execute(leases.pool()).await?;
         Ok(())
     }
+}
+
+async fn live_nodes(pool: &Pool) -> Result<Vec<LiveNode>, StoreError> {
+    let select =
+        "select node, address, secret, cast(extract(epoch from expires - clock_timestamp()) as float8)
+        from nodes where expires > clock_timestamp() order by node";
+    let rows: Vec<(String, String, String, f64)> = sql::query_as(select).fetch_all(pool).await?;
+    let nodes = rows.into_iter().map(|(id, address, secret, lasts_s)| LiveNode {
+        node: Node { id, address, secret },
+        lasts: Duration::try_from_secs_f64(lasts_s).unwrap_or_default(),
+    });
+    Ok(nodes.collect())
 }
