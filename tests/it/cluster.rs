@@ -215,18 +215,58 @@ async fn erasures_follow_one_another_and_go_on_where_their_map_goes() {
     other.stop().await;
 }
 
-/// Gives a map to a server that nobody reaches, as if it had been killed just after it extended its leases.
-async fn left_by_a_silent_server(directory: &Path, map: &str, address: SocketAddr) {
-    let mut db = PgConnection::connect(&postgres_of(directory).await).await.expect("the database");
-    let (address, lasts_s) = (format!("http://{address}"), 8.0);
+/// Lists a server that does not listen at its address among those of a database.
+async fn silent_server(db: &mut PgConnection, lasts_s: f64) -> TcpSocket {
+    let socket = TcpSocket::new_v4().expect("a socket");
+    socket.bind(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a port");
+    let address = format!("http://{}", socket.local_addr().expect("an address"));
     let insert = "insert into nodes (node, address, secret, schema, expires)
         values ('silent', $1, 'secret', 1000, clock_timestamp() + make_interval(secs => $2))";
-    sqlx::query(insert).bind(address).bind(lasts_s).execute(&mut db).await.expect("a row");
+    sqlx::query(insert).bind(address).bind(lasts_s).execute(db).await.expect("a row");
+    socket
+}
+
+/// Gives a map to a server that does not answer, as if it had been killed just after it extended its leases.
+async fn left_by_a_silent_server(directory: &Path, map: &str) -> TcpSocket {
+    let mut db = PgConnection::connect(&postgres_of(directory).await).await.expect("the database");
+    let lasts_s = 8.0;
+    let socket = silent_server(&mut db, lasts_s).await;
     let update =
         "update map_owners set owner = 'silent', epoch = epoch + 1, expires = clock_timestamp() + make_interval(secs => $2)
         where map_key = (select map_key from maps where id = $1)";
     let given = sqlx::query(update).bind(map).bind(lasts_s).execute(&mut db).await.expect("a row");
     assert_eq!(given.rows_affected(), 1);
+    socket
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs REVISIT_TEST_POSTGRES"]
+async fn a_server_that_left_is_not_asked_for_maps_that_nobody_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::among_others(folder.path()).await;
+    let mut db = PgConnection::connect(&postgres_of(folder.path()).await).await.expect("the database");
+    let _silent = silent_server(&mut db, 600.0).await;
+    let begun = Instant::now();
+    while server.figure("revisit_nodes").await < 2 {
+        assert!(begun.elapsed() < OWNERS_SETTLE, "the other server is not heard of");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let mut refused = Vec::new();
+    for number in 0..MAPS {
+        let answer = server.put(&path(number), &json!({})).await;
+        if answer.status == StatusCode::SERVICE_UNAVAILABLE {
+            refused.push(number);
+        }
+    }
+    assert!((1..MAPS).contains(&refused.len()), "maps that the other one should have: {refused:?}");
+    sqlx::query("delete from nodes where node = 'silent'").execute(&mut db).await.expect("no row");
+    // A list of servers that was read a moment ago is believed.
+    tokio::time::sleep(Duration::from_millis(400)).await;
+    for number in refused {
+        let answer = server.put(&path(number), &json!({})).await;
+        assert_eq!(answer.status, StatusCode::CREATED, "{answer:#?}");
+    }
+    server.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -245,10 +285,7 @@ async fn a_map_of_a_server_that_fell_silent_is_loaded_while_its_lease_runs_out()
     }
     server.stop().await;
     let server = Server::among_others(folder.path()).await;
-    // It has an address and does not listen.
-    let silent = TcpSocket::new_v4().expect("a socket");
-    silent.bind(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a port");
-    left_by_a_silent_server(folder.path(), "m", silent.local_addr().expect("an address")).await;
+    let _silent = left_by_a_silent_server(folder.path(), "m").await;
     let refused = server.get("/v1/maps/m").await;
     assert_eq!(refused.status, StatusCode::SERVICE_UNAVAILABLE, "{refused:#?}");
     let begun = Instant::now();
