@@ -2,8 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::domain::map::MapProperties;
-use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewVerdict, PoseCorrection};
+use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, NewVerdict, PoseCorrection};
 use revisit::api::anchor::AnchorPatch;
 use revisit::api::session_merge::MergeFields;
 use revisit::api::semantics::{OneText, TextPair};
@@ -14,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(body) = syntax::parse(bytes) else { return };
     let faults = match kind % 10 {
         _ if *kind >= 0x80 => read::decode::<NewVerdict>(&body).err(),
-        0 => read::decode::<MapProperties>(&body).err(),
+        0 => read::decode::<NewMap>(&body).err(),
         1 => read::decode::<MapPatch>(&body).err(),
         2 => read::decode::<PoseCorrection>(&body).err(),
         3 => read::decode::<NewLoop>(&body).err(),
