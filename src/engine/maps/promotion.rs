@@ -1,6 +1,6 @@
 //! Promotion: the copy of another server's map becomes this server's own, once this server owns the map.
 //!
-//! What was loaded while the map was another server's need not be loaded again. A copy is promoted if it is at the version that is
+//! A map that was loaded while it was another server's need not be loaded again. A copy is promoted if it is at the version that is
 //! on disk, and as large as the map's row says; else it is given up, and the map is loaded.
 
 use std::mem::take;
@@ -52,11 +52,6 @@ impl Registry {
         self.loads.count_promotion();
         tracing::info!(map = %id, version = facts.version, "a copy became this server's own map");
         Ok(Some(RebuiltMap { facts, index }))
-    }
-
-    /// Whether a map is in memory, or on its way there.
-    pub(in crate::engine) fn has(&self, id: &MapId) -> bool {
-        self.lock().contains_key(id)
     }
 }
 

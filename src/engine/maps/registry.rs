@@ -66,6 +66,11 @@ impl Registry {
         self.lock().get(id)?.get().filter(|live| !live.is_over()).cloned()
     }
 
+    /// Whether a map is in memory, or on its way there.
+    pub fn has(&self, id: &MapId) -> bool {
+        self.lock().contains_key(id)
+    }
+
     /// Returns the maps in memory that are wanted. They stay there while they are held, and the others may leave.
     pub fn in_memory(&self, mut wanted: impl FnMut(&LiveMap) -> bool) -> Vec<Arc<LiveMap>> {
         let cells = self.lock();
