@@ -6,7 +6,6 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::job::{Batch, MapKey};
-use crate::domain::change::Change;
 use crate::domain::event::Event;
 use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, SessionSeq};
 use crate::geometry::Point3;
@@ -45,13 +44,13 @@ pub(in crate::store) struct KeptQuery<'j> {
 pub(in crate::store) struct Additions<'j> {
     /// The last batch of each map.
     advanced: BTreeMap<MapKey, &'j Batch>,
-    sessions: Vec<(MapKey, SessionSeq, &'j SessionId)>,
-    keyframes: Vec<Arrived<'j>>,
-    anchors: Vec<(MapKey, AnchorSeq, &'j str)>,
+    pub(super) sessions: Vec<(MapKey, SessionSeq, &'j SessionId)>,
+    pub(super) keyframes: Vec<Arrived<'j>>,
+    pub(super) anchors: Vec<(MapKey, AnchorSeq, &'j str)>,
     detections: Vec<Detected<'j>>,
-    points: Vec<(MapKey, SessionSeq, PointId, Point3)>,
+    pub(super) points: Vec<(MapKey, SessionSeq, PointId, Point3)>,
     /// The last version of each anchor.
-    touched: BTreeMap<(MapKey, AnchorSeq), u64>,
+    pub(super) touched: BTreeMap<(MapKey, AnchorSeq), u64>,
     events: Vec<(MapKey, &'j Event)>,
     queries: Vec<KeptQuery<'j>>,
     /// Maps that have no deferred changes, as far as was asked.
@@ -59,31 +58,6 @@ pub(in crate::store) struct Additions<'j> {
 }
 
 impl<'j> Additions<'j> {
-    /// Takes a change that only adds rows; returns whether it is one.
-    pub(in crate::store) fn take(
-        &mut self,
-        batch: &'j Batch,
-        change: &'j Change,
-    ) -> Result<bool, StoreError> {
-        let map = batch.map;
-        match change {
-            Change::SessionAdded(seq, id) => self.sessions.push((map, *seq, id)),
-            Change::KeyframeAdded(keyframe, bow) => {
-                let rows = batch.new_keyframe.as_ref();
-                let rows = rows.ok_or_else(|| StoreError::corrupt("a keyframe without its rows"))?;
-                let version = batch.version;
-                self.keyframes.push(Arrived { map, version, keyframe, bow, rows });
-            }
-            Change::AnchorAdded(seq, class) => self.anchors.push((map, *seq, class)),
-            Change::AnchorTouched(seq, version) => drop(self.touched.insert((map, *seq), *version)),
-            Change::PointSet(session, id, at) => self.points.push((map, *session, *id, *at)),
-            // Written with the keyframe's rows.
-            Change::GlobalDescriptorSet(..) | Change::Observed(..) | Change::OutcomeSet(..) => {}
-            _ => return Ok(false),
-        }
-        Ok(true)
-    }
-
     /// Takes a map's version after a batch, with what follows from its facts.
     pub(in crate::store) fn advance(&mut self, batch: &'j Batch) {
         self.advanced.insert(batch.map, batch);
@@ -104,7 +78,7 @@ impl<'j> Additions<'j> {
         self.queries.push(query);
     }
 
-    /// Returns whether a map has deferred changes; asked once while only additions are gathered.
+    /// Returns whether a map has deferred changes; asked once while only additions are self.
     pub(in crate::store) async fn defers(
         &mut self,
         db: &mut Connection,
@@ -121,36 +95,35 @@ impl<'j> Additions<'j> {
     }
 
     /// Writes what is gathered: each row after those that it refers to.
-    pub(in crate::store) async fn write(&mut self, db: &mut Connection) -> Result<(), StoreError> {
-        let gathered = std::mem::take(self);
-        if !gathered.advanced.is_empty() {
-            map_rows::advance(db, gathered.advanced.into_values()).await?;
+    pub(in crate::store) async fn write(self, db: &mut Connection) -> Result<(), StoreError> {
+        if !self.advanced.is_empty() {
+            map_rows::advance(db, self.advanced.into_values()).await?;
         }
         let sessions = "insert into sessions (map_key, session, id) ";
-        write_rows(db, sessions, "", &gathered.sessions, |row, (map, seq, id)| {
+        write_rows(db, sessions, "", &self.sessions, |row, (map, seq, id)| {
             row.push_bind(*map).push_bind(seq.0).push_bind(id.as_str().to_owned());
         })
         .await?;
-        keyframe_rows::add_keyframes(db, &gathered.keyframes).await?;
+        keyframe_rows::add_keyframes(db, &self.keyframes).await?;
         let anchors = "insert into anchors (map_key, anchor, class, version) ";
-        write_rows(db, anchors, "", &gathered.anchors, |row, (map, seq, class)| {
+        write_rows(db, anchors, "", &self.anchors, |row, (map, seq, class)| {
             row.push_bind(*map).push_bind(seq.0).push_bind((*class).to_owned()).push_bind(1);
         })
         .await?;
-        keyframe_rows::add_detections(db, &gathered.detections).await?;
-        for of_map in gathered.points.chunk_by(|a, b| a.0 == b.0) {
+        keyframe_rows::add_detections(db, &self.detections).await?;
+        for of_map in self.points.chunk_by(|a, b| a.0 == b.0) {
             let points = of_map.iter().map(|(_, session, id, at)| (*session, *id, Some(*at)));
             point_blocks::change(db, of_map[0].0, points).await?;
         }
-        let touched: Vec<_> = gathered.touched.into_iter().collect();
+        let touched: Vec<_> = self.touched.into_iter().collect();
         let set = "update anchors set version = column3 from (";
         let of = ") as given where anchors.map_key = column1 and anchors.anchor = column2";
         write_rows(db, set, of, &touched, |row, ((map, anchor), version)| {
             row.push_bind(*map).push_bind(anchor.0).push_bind(*version as i64);
         })
         .await?;
-        add_events(db, &gathered.events).await?;
-        keep_queries(db, &gathered.queries).await
+        add_events(db, &self.events).await?;
+        keep_queries(db, &self.queries).await
     }
 }
 
