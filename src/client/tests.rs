@@ -66,6 +66,11 @@ async fn every_operation_asks_what_the_api_document_says() {
         examples::loop_closed(),
         examples::loop_revoked(),
         examples::poses_answer(),
+        examples::keyframes(),
+        examples::judgement(),
+        examples::judgement(),
+        crate::api::key::example_made(),
+        examples::backup_taken(),
     ];
     let asked = Arc::new(AtomicU32::new(0));
     let next = move || axum::Json(answers[asked.fetch_add(1, Ordering::SeqCst) as usize].clone());
@@ -80,6 +85,11 @@ async fn every_operation_asks_what_the_api_document_says() {
     client.post_loop("m", &body).await.expect("an answer");
     client.delete_loop("m", "l").await.expect("an answer");
     client.post_poses("m", &body).await.expect("an answer");
+    client.list_redundant_keyframes("m", &Page::default()).await.expect("an answer");
+    client.post_judgement("m", &body).await.expect("an answer");
+    client.delete_judgement("m", "j").await.expect("an answer");
+    client.post_key(&body).await.expect("an answer");
+    client.post_backup(&body).await.expect("an answer");
 
     let sent = Value::Object(body.0);
     let asked =
@@ -95,6 +105,11 @@ async fn every_operation_asks_what_the_api_document_says() {
             asked("POST /v1/maps/m/loops", &sent),
             asked("DELETE /v1/maps/m/loops/l", &Value::Null),
             asked("POST /v1/maps/m/poses", &sent),
+            asked("GET /v1/maps/m/keyframes?redundant=true", &Value::Null),
+            asked("POST /v1/maps/m/judgements", &sent),
+            asked("DELETE /v1/maps/m/judgements/j", &Value::Null),
+            asked("POST /v1/keys", &sent),
+            asked("POST /v1/backups", &sent),
         ]
     );
 }
