@@ -34,11 +34,6 @@ pub struct GeometrySnapshot {
 }
 
 impl GeometrySnapshot {
-    /// Returns `session_from_camera` of a query that a transformation puts here, and the session.
-    pub fn pose_of(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Pose)> {
-        Some((self.session?, self.session_from_camera.after(&candidate_from_query.without_scale())))
-    }
-
     /// Returns the session, and where in its frame a transformation puts a query.
     pub fn place(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Point3)> {
         let in_camera = Point3::from(candidate_from_query.translation_m());
