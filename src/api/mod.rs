@@ -8,7 +8,6 @@
 //! | [`decoding::syntax`], [`decoding::document`] | bytes become a flat list of values |
 //! | [`decoding::read`], [`decoding::column`], `faults` | values become the model, each fault with its place |
 //! | [`limits`] | how much one request may bring |
-//! | [`decoding::digest`] | what made two bodies the same for earlier versions |
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`frames`], [`release`], [`erasure`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |

@@ -51,11 +51,6 @@ fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
         let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
         lines.push(format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema));
     }
-    if checked.is_older {
-        lines.push(
-            "the schema is older than this program's: maps are checked once `serve` has migrated it".into(),
-        );
-    }
     lines.extend(checked.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
     if faults.len() > LISTED {
@@ -85,7 +80,6 @@ fn as_json(checked: &IntegrityReport, faults: &[String]) -> serde_json::Value {
     json!({
         "sound": faults.is_empty(),
         "schema": checked.holds.map(|holds| holds.schema),
-        "older_schema": checked.is_older,
         "maps": maps,
         "faults": faults,
         "notes": checked.notes,

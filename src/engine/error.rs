@@ -117,6 +117,7 @@ impl From<StoreError> for ServiceError {
             StoreError::Database(_)
             | StoreError::Corrupt(_)
             | StoreError::SqliteTooOld { .. }
+            | StoreError::UnknownForm
             | StoreError::Newer { .. }
             | StoreError::OldServers { .. }
             | StoreError::InUse(_)

@@ -33,7 +33,6 @@ mod options;
 #[cfg(test)]
 mod rebuild_equals_live;
 mod retention;
-mod sent_digest;
 mod service;
 mod stored;
 mod verdict_counts;
@@ -51,7 +50,6 @@ pub use operations::loops::ConfirmedLoop;
 pub use operations::queries::{QueryAnswer, Timings};
 pub use operations::stats::Stats;
 pub use options::{ModelChoice, ServiceOptions, WriteAnswer};
-pub use sent_digest::SentDigest;
 pub use service::Service;
 pub use stored::Stored;
 pub use verdict_counts::VerdictCounts;

@@ -67,7 +67,7 @@ async fn holds_after(requests: Vec<Request>) {
         pretty(&backwards.index, &state.index);
         // What lists of maps show, without an index.
         assert_eq!(loaded.facts.figures, state.index.figures());
-        assert_eq!(loaded.facts.learned, Some(state.index.learned()));
+        assert_eq!(loaded.facts.learned, state.index.learned());
     }
     if let Some(copies) = copies {
         copies.reach_with(&map, loaded.facts.version, Effort::All).await.unwrap();

@@ -17,10 +17,8 @@ pub struct IntegrityReport {
     pub faults: Vec<String>,
     /// Limits of the check; they are no faults.
     pub notes: Vec<String>,
-    /// Each map, by name. None where the schema is older than this program's: they are read after its migration.
+    /// Each map, by name.
     pub maps: Vec<MapCheck>,
-    /// The schema is older than this program's.
-    pub is_older: bool,
     /// The schema's version, if it is newer than this program's: nothing but the structure was looked into.
     pub(super) newer: Option<i64>,
 }
@@ -83,7 +81,7 @@ async fn check_all(db: &mut Inspected) -> IntegrityReport {
             checked.newer = Some(version);
             return checked;
         }
-        Ok(version) => checked.is_older = version < newest_schema(),
+        Ok(_) => {}
         Err(error) => {
             checked.faults.push(format!("not a database of revisit: {error}"));
             return checked;
@@ -93,9 +91,6 @@ async fn check_all(db: &mut Inspected) -> IntegrityReport {
     match db.holdings().await {
         Ok(holds) => checked.holds = Some(holds),
         Err(error) => checked.faults.push(error.to_string()),
-    }
-    if checked.is_older {
-        return checked;
     }
     note(&mut checked.faults, db.key_faults().await);
     let ids = db.maps().await.unwrap_or_else(|error| {

@@ -55,7 +55,7 @@ async fn check_loaded(
     found.anchors = index.objects().len() as u64;
     found.loops = index.loops().len() as u64;
     figure_faults(facts.figures, index.figures(), &mut found.faults);
-    if facts.learned.as_ref().is_some_and(|shown| *shown != index.learned()) {
+    if facts.learned != index.learned() {
         found.faults.push("its numbering or twins, as shown, are not those of its facts".to_owned());
     }
     if let Err(error) = law(db, id, index, &mut found.faults).await {

@@ -43,6 +43,12 @@ pub enum StoreError {
         /// The oldest version that is safe.
         needed: &'static str,
     },
+    /// Another program has made the database, or a build of this one that is not among its versions.
+    #[error(
+        "this version of revisit cannot read the database: if another build of revisit made it, export its maps with that build, \
+         and replay them into a new database"
+    )]
+    UnknownForm,
     /// A newer version of this program has written the database.
     #[error(
         "the database has schema {found}, and this version of revisit knows {known} at most: it was opened by a newer \

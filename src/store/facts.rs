@@ -31,7 +31,7 @@ pub struct MapFacts {
     /// The size of what it holds, as its row says.
     pub figures: MapFigures,
     /// Its knowledge of its building, as its row says; `None` if nothing was written to it since rows say so.
-    pub learned: Option<Learned>,
+    pub learned: Learned,
 }
 
 /// The order in which facts are read. It must not matter: `revisit check` compares the two.

@@ -1,4 +1,4 @@
-//! Holdings: how much a database has in it, of whatever schema it is.
+//! Holdings: how much a database has in it.
 
 use sqlx::ConnectOptions as _;
 
@@ -30,17 +30,10 @@ impl Holdings {
 /// Counts what a database holds.
 pub(super) async fn holdings(db: &mut Connection) -> Result<Holdings, StoreError> {
     let schema = schema::version(&mut *db).await?;
-    // An older schema knows no deleted maps.
-    let column = "select count(*) from pragma_table_info('maps') where name = 'deleted'";
-    let knows_deleted: i64 = sql::query_scalar(column).fetch_one(&mut *db).await?;
     // What a deleted map still has is no map's any more.
-    let count = if knows_deleted == 0 {
-        "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
-    } else {
-        "select (select count(*) from maps where deleted = 0 and id not like '%/%'),
-            (select count(*) from keyframes where map_key in (select map_key from maps where deleted = 0)),
-            (select count(*) from anchors where map_key in (select map_key from maps where deleted = 0))"
-    };
+    let count = "select (select count(*) from maps where deleted = 0 and id not like '%/%'),
+        (select count(*) from keyframes where map_key in (select map_key from maps where deleted = 0)),
+        (select count(*) from anchors where map_key in (select map_key from maps where deleted = 0))";
     let (maps, keyframes, anchors): (i64, i64, i64) = sql::query_as(count).fetch_one(&mut *db).await?;
     Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
 }

@@ -2,7 +2,7 @@
 //!
 //! | concept | file |
 //! |---|---|
-//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`files::schema`], [`postgres`] |
+//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`migrations`], [`files::schema`], [`postgres`] |
 //! | one SQL for SQLite and PostgreSQL | [`sql`] |
 //! | one writer in a thread of its own, group commit | [`commit::commit_queue`], [`commit::queue`], [`commit::lanes`], [`commit::group_commit`] |
 //! | large deletions and corrections, in slices | [`slices::background`], [`slices::deletion`], [`slices::deferred`], [`slices::parts`], [`slices::fold`] |
@@ -34,6 +34,7 @@ pub mod files;
 mod holdings;
 mod inspection;
 mod map_copy;
+mod migrations;
 mod opening;
 mod postgres;
 mod rows;

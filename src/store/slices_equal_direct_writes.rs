@@ -19,7 +19,6 @@ use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
-use crate::domain::request::KeyframeDigest;
 use crate::geometry::{Point3, Pose};
 use crate::recognition::map::index::MapIndex;
 use crate::store::sql::{self, Connection, Pool};
@@ -93,8 +92,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         changes.push(Change::AnchorAdded(AnchorSeq(seq), "sign".into()));
         changes.push(Change::OutcomeSet(KeyframeSeq(seq), 0, Outcome::Created(AnchorSeq(seq))));
         changes.push(Change::PointSet(session, i64::from(seq), Point3::new(0.5, 0.5, f64::from(seq))));
-        let rows =
-            NewKeyframeRows { keyframe: Arc::new(new), digest: KeyframeDigest::OfFacts([seq as u8; 32]) };
+        let rows = NewKeyframeRows { keyframe: Arc::new(new), digest: [seq as u8; 32] };
         let made = Batch { new_keyframe: Some(rows), ..batch(map, 2, changes) };
         jobs.push(Job::Change(Box::new(made)));
     }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
-use super::ids::{MapId, StoredId as _};
+use super::ids::MapId;
 use super::keyframe::Stamp;
 use super::named::named;
 
@@ -80,7 +80,7 @@ impl MapPattern {
 
     /// Returns the map that the pattern names, if it has no star.
     pub fn only_map(&self) -> Option<MapId> {
-        MapId::stored(&self.0).ok()
+        self.0.parse().ok()
     }
 
     /// Whether the pattern names this map.
@@ -98,21 +98,11 @@ impl MapPattern {
     }
 }
 
-impl MapPattern {
-    /// Reads a pattern that was accepted once.
-    pub fn stored(text: &str) -> Result<Self, PatternError> {
-        // What is left when every star is a letter is an id.
-        match MapId::stored(&text.replace('*', "x")) {
-            Ok(_) => Ok(Self(text.into())),
-            Err(_) => Err(PatternError),
-        }
-    }
-}
-
 impl FromStr for MapPattern {
     type Err = PatternError;
 
     fn from_str(text: &str) -> Result<Self, PatternError> {
+        // What is left when every star is a letter is an id.
         match text.replace('*', "x").parse::<MapId>() {
             Ok(_) => Ok(Self(text.into())),
             Err(_) => Err(PatternError),

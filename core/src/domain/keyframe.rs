@@ -150,8 +150,7 @@ pub struct NewKeyframe {
     pub global_descriptor: Option<GlobalDescriptor>,
     /// Its features, if the client sent them.
     pub features: Option<Features>,
-    /// Map points new or moved, in the session's frame, in metres: ascending, each once. Rows of schema 3 and before keep
-    /// the order in which a client sent them; nothing relies on it.
+    /// Map points new or moved, in the session's frame, in metres: ascending, each once.
     pub map_points: Vec<(PointId, Point3)>,
     /// Every map point it observes, ascending: `observes` and `features.map_points` together.
     pub observes: Vec<PointId>,

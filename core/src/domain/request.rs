@@ -15,15 +15,6 @@ use crate::geometry::{Gravity, Point3, Pose, Sim3};
 /// Digest of a request: tells a retry from another request under the same id.
 pub type Digest = [u8; 32];
 
-/// Digest of a stored keyframe, with the rule that made it. Rules never change; a new one comes beside the former ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeyframeDigest {
-    /// SHA-256 of the JSON of its body.
-    OfText(Digest),
-    /// BLAKE3 of its facts, whatever the form of its body.
-    OfFacts(Digest),
-}
-
 /// Changes of a map; a field that is left out stays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapPatch {

@@ -2,7 +2,6 @@
 
 pub mod base64;
 pub mod column;
-pub mod digest;
 pub mod document;
 pub(super) mod faults;
 pub mod read;

@@ -8,14 +8,14 @@ use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::report::KeyframeReport;
-use crate::domain::request::KeyframeDigest;
+use crate::domain::request::Digest;
 use crate::engine::bow::check_vocabulary;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
-use crate::engine::{QueryAnswer, SentDigest, Service, ServiceError, Stored};
+use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
 use crate::recognition::anchors::prior_anchors::driven_frame;
 use crate::recognition::map::culling::cull_keyframe;
@@ -33,7 +33,7 @@ pub struct PendingKeyframe {
     service: Service,
     live: Arc<LiveMap>,
     keyframe: Arc<NewKeyframe>,
-    digest: SentDigest,
+    digest: Digest,
     manner: Manner,
     begun: Begun<Put>,
 }
@@ -62,11 +62,11 @@ impl PendingKeyframe {
                 }
                 (Put::Exists(seq), _) => seq,
             };
-            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, &digest).await? {
+            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, digest).await? {
                 return Ok(stored);
             }
             // Culled since it was found: it is not there any more, so this request stores it.
-            begun = service.begin_put(&live, keyframe.clone(), digest.stored(), manner).await?;
+            begun = service.begin_put(&live, keyframe.clone(), digest, manner).await?;
         }
         let detail = format!("keyframe {} is deleted again and again", keyframe.id);
         Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
@@ -79,7 +79,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: NewKeyframe,
-        digest: SentDigest,
+        digest: Digest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
         let live = self.live(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
@@ -91,7 +91,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: NewKeyframe,
-        digest: SentDigest,
+        digest: Digest,
     ) -> Result<(Stored<KeyframeReport>, QueryAnswer), ServiceError> {
         let id = keyframe.id.clone();
         let live = self.live(map).await?;
@@ -112,7 +112,7 @@ impl Service {
         &self,
         map: &PinnedMap,
         keyframe: NewKeyframe,
-        digest: SentDigest,
+        digest: Digest,
     ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live_pinned(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Patient).await
@@ -122,11 +122,11 @@ impl Service {
         &self,
         live: Arc<LiveMap>,
         keyframe: NewKeyframe,
-        digest: SentDigest,
+        digest: Digest,
         manner: Manner,
     ) -> Result<PendingKeyframe, ServiceError> {
         let keyframe = Arc::new(self.compute_bow(keyframe).await?);
-        let begun = self.begin_put(&live, keyframe.clone(), digest.stored(), manner).await?;
+        let begun = self.begin_put(&live, keyframe.clone(), digest, manner).await?;
         Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
     }
 
@@ -135,7 +135,7 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         keyframe: Arc<NewKeyframe>,
-        digest: KeyframeDigest,
+        digest: Digest,
         manner: Manner,
     ) -> Result<Begun<Put>, ServiceError> {
         let (quotas, service, of_map) = (self.quotas, self.clone(), live.clone());
@@ -170,10 +170,10 @@ impl Service {
         live: &Arc<LiveMap>,
         id: &KeyframeId,
         seq: KeyframeSeq,
-        digest: &SentDigest,
+        digest: Digest,
     ) -> Result<Option<Stored<KeyframeReport>>, ServiceError> {
         let Some(row) = self.store.keyframe(live.key, seq).await? else { return Ok(None) };
-        if !digest.is(row.digest) {
+        if digest != row.digest {
             return Err(ServiceError::Conflict {
                 code: "keyframe_exists",
                 detail: format!(

@@ -222,11 +222,8 @@ fn name(map: &MapId, version: u64, query: &LoopQuery, configured: Configured<'_>
     let mut hash = Sha256::new();
     hash.update(format!("{map}\n{version}\n{}\n{}\n", query.verify.as_str(), query.seed));
     let Configured { roles, vocabulary } = configured;
-    // Left out where there is neither, so that records kept by earlier versions are found.
-    if !roles.is_none() || vocabulary.is_some() {
-        let vocabulary = vocabulary.unwrap_or_default();
-        hash.update(format!("vision {} text {} vocabulary {vocabulary}\n", roles.vision, roles.text));
-    }
+    let vocabulary = vocabulary.unwrap_or_default();
+    hash.update(format!("vision {} text {} vocabulary {vocabulary}\n", roles.vision, roles.text));
     match &query.subject {
         Subject::Stored(id) => hash.update(format!("stored\n{id}")),
         Subject::Inline(_, digest) => {

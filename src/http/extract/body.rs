@@ -11,7 +11,6 @@ use super::arriving_body::{Arriving, announced};
 use super::body_errors::{broken, too_dense, too_large, too_many, unreadable};
 use super::decompression::Encoding;
 use super::path::{KeyframePath, MapPath};
-use crate::api::decoding::digest;
 use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode};
 use crate::api::decoding::syntax::{self, Unreadable};
@@ -21,7 +20,6 @@ use crate::config::logging::in_span;
 use crate::domain::ids::MapId;
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::request::{Digest, LoopQuery};
-use crate::engine::SentDigest;
 use crate::http::App;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, decoded_bytes};
 use crate::http::problem::{Kind, Problem};
@@ -42,8 +40,7 @@ where
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
-        let (decoded, _) = decoded(text, &app, |document| read::decode(document)).await?;
-        decoded.map(Self).map_err(Problem::invalid)
+        decoded(text, &app, |document| read::decode(document)).await?.map(Self).map_err(Problem::invalid)
     }
 }
 
@@ -54,7 +51,7 @@ pub struct KeyframeInPath {
     /// The keyframe.
     pub keyframe: NewKeyframe,
     /// The digest that tells a retry from another keyframe.
-    pub digest: SentDigest,
+    pub digest: Digest,
 }
 
 impl<S: Send + Sync> FromRequest<S> for KeyframeInPath
@@ -73,10 +70,8 @@ where
             keyframe::named(body, &id).map_err(|faults| Faulty::of(faults, Some(body)))
         };
         match decoded(text, &app, read).await? {
-            (Ok(SentKeyframe { keyframe, digest }), text) => {
-                Ok(Self { place, keyframe, digest: text.digest(digest, None) })
-            }
-            (Err(faulty), _) => Err(all_faults(&app, &place.map, "", faulty).await),
+            Ok(SentKeyframe { keyframe, digest }) => Ok(Self { place, keyframe, digest }),
+            Err(faulty) => Err(all_faults(&app, &place.map, "", faulty).await),
         }
     }
 }
@@ -102,7 +97,7 @@ where
         let read = |document: &Document<'_>| {
             read::decode(document).map_err(|faults| Faulty::of(faults, document.root().get("inline")))
         };
-        match decoded(text, &app, read).await?.0 {
+        match decoded(text, &app, read).await? {
             Ok(query) => Ok(Self { map, query }),
             Err(faulty) => Err(all_faults(&app, &map, "/inline", faulty).await),
         }
@@ -167,15 +162,6 @@ impl Text {
         parsed(&self.bytes).map(|document| read(&document))
     }
 
-    /// Returns the digest of a keyframe of these facts that came as this text, in which one member may stand for its name
-    /// alone. It keeps the text.
-    pub fn digest(self, of_facts: Digest, named_by: Option<&'static str>) -> SentDigest {
-        SentDigest::new(of_facts, move || {
-            let document = syntax::parse(&self.bytes).ok()?;
-            Some(digest::of(document.root(), named_by))
-        })
-    }
-
     fn inflate(&mut self, memory: &BodyMemory) -> Result<(), Problem> {
         let most = becomes_at_most(self.bytes.len());
         let broken = |_: std::io::Error| broken();
@@ -190,20 +176,20 @@ impl Text {
     }
 }
 
-/// Parses a text and reads its document, long ones on a blocking thread. Returns the text, too, inflated.
+/// Parses a text and reads its document, long ones on a blocking thread.
 pub async fn decoded<T: Send + 'static>(
     mut text: Text,
     app: &App,
     read: impl FnOnce(&Document<'_>) -> T + Send + 'static,
-) -> Result<(T, Text), Problem> {
+) -> Result<T, Problem> {
     if text.is_at_most(SMALL_BODY_BYTES) {
-        return Ok((text.read(read)?, text));
+        return text.read(read);
     }
     let memory = app.memory.clone();
     let turn = memory.turn().await;
     let decode = move || {
         let _turn = turn;
-        text.decode(&memory, read).map(|read| (read, text))
+        text.decode(&memory, read)
     };
     let decoded = tokio::task::spawn_blocking(in_span(decode)).await;
     let decoded = decoded.unwrap_or_else(|error| Err(Problem::internal(error.to_string())));

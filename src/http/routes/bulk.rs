@@ -271,12 +271,12 @@ async fn begin(
     text: Text,
 ) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
     let read = |line: &Document<'_>| (bulk::line_id(line.root()), bulk::decode(line.root()));
-    let ((id, sent), text) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
+    let (id, sent) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
     let SentKeyframe { keyframe, digest } = match sent {
         Ok(sent) => sent,
         Err(faulty) => return Err((id, all_faults(app, map.id(), "", faulty).await)),
     };
-    match app.service.begin_keyframe(map, keyframe, text.digest(digest, Some("id"))).await {
+    match app.service.begin_keyframe(map, keyframe, digest).await {
         Ok(keyframe) => Ok((id, keyframe)),
         Err(error) => Err((id, error.into())),
     }

@@ -14,7 +14,7 @@ use crate::domain::key::{Key, KeySeq, SecretHash};
 use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::release::ReleaseUse;
-use crate::domain::request::{Digest, KeyframeDigest};
+use crate::domain::request::Digest;
 use crate::store::slices::parts::Part;
 
 /// A map's key in the database.
@@ -57,7 +57,7 @@ pub struct NewKeyframeRows {
     /// The keyframe as sent.
     pub keyframe: Arc<NewKeyframe>,
     /// The digest that tells a retry of it from another keyframe.
-    pub digest: KeyframeDigest,
+    pub digest: Digest,
 }
 
 /// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.

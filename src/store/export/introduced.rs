@@ -24,15 +24,13 @@ impl Introduced {
     pub(super) async fn of(db: &mut Connection, map: MapKey) -> Result<Self, StoreError> {
         // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
         let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
-                or exists (select 1 from operations o where o.map_key = m.map_key and o.version = 0)
                 or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
                     and json_extract(o.body, '$.settings.keep_history') = 'false')
             from maps m where map_key = $1";
         let are_counted = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
         let mut sent = HashSet::new();
         if are_counted {
-            let select =
-                "select session, sent_points, packing from keyframes where map_key = $1 order by keyframe";
+            let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";
             let mut rows = sql::query(select).bind(map).fetch(db);
             while let Some(row) = rows.try_next().await? {
                 let session = SessionSeq(row.try_get("session")?);

@@ -162,9 +162,7 @@ impl Export {
                 self.correction(new).await
             };
         }
-        let map_comes =
-            matches!(self.operations.front(), Some((of, Operation::Map { .. })) if *of == version);
-        if keyframe == Some(version) && !map_comes {
+        if keyframe == Some(version) {
             return self.keyframe().await;
         }
         if models == Some(version) && operation != Some(version) {

@@ -77,8 +77,7 @@ async fn keyframes(
     fit: Fit,
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
-    let select =
-        "select id, sent_points, digest, keyframes.packing, descriptor_bytes, descriptors, keypoints,
+    let select = "select id, sent_points, digest, descriptor_bytes, descriptors, keypoints,
         keyframe_features.map_points from keyframes
         left join keyframe_features using (map_key, keyframe) where map_key = $1";
     let mut rows = sql::query(select).bind(key).fetch(db);
@@ -89,8 +88,7 @@ async fn keyframes(
             Ok(false) => faults.push(format!("{what} of keyframe {id} do not fit together")),
             Err(error) => faults.push(format!("{what} of keyframe {id}: {error}")),
         };
-        note(decode::keyframe_digest(&row).map(|_| true), "the digest");
-        // In any order: nothing relies on one, and versions of schema 3 and before kept the client's.
+        note(decode::digest(&row).map(|_| true), "the digest");
         note(read::sent_points(&row).map(|_| true), "the sent points");
         if row.try_get::<Option<&[u8]>, _>("descriptors")?.is_some() {
             note(read::features(&row).map(fit), "the features");

@@ -1,18 +1,15 @@
 //! The schema's versions for PostgreSQL. A migration that was ever released is never edited, not even its comments.
 //!
-//! It began when SQLite's schema was at 22: an older database comes over by `revisit copy`, which writes the newest rows.
-//!
 //! Servers of two versions may run side by side while a fleet is upgraded: each version says which older programs can work with it.
 
-use std::borrow::Cow;
 use std::time::Duration;
 
-use sqlx::SqlSafeStr;
-use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::migrate::{MigrateError, Migrator};
 use sqlx::postgres::{PgConnection, PgPool};
 use tokio::time::sleep;
 
 use crate::store::StoreError;
+use crate::store::migrations::{migrator, version_by};
 use crate::store::sql::Statements;
 
 /// A version of the schema.
@@ -26,10 +23,10 @@ struct Step {
 }
 
 const MIGRATIONS: &[Step] = &[Step {
-    version: 22,
+    version: 1,
     name: "facts",
-    statements: include_str!("../../../migrations/postgres/0022_facts.sql"),
-    oldest: 22,
+    statements: include_str!("../../../migrations/postgres/0001_facts.sql"),
+    oldest: 1,
 }];
 
 /// Maximum tries of a migration: servers that start together on an empty database are in each other's way.
@@ -89,34 +86,32 @@ async fn try_to_migrate(pool: &PgPool, how: Statements) -> Result<(), StoreError
     Ok(db.commit().await?)
 }
 
+fn steps() -> Migrator {
+    migrator(MIGRATIONS.iter().map(|step| (step.version, step.name, step.statements)))
+}
+
 async fn run(db: &mut PgConnection) -> Result<(), MigrateError> {
-    let migration = |step: &Step| {
-        Migration::new(
-            step.version,
-            Cow::Borrowed(step.name),
-            MigrationType::Simple,
-            step.statements.into_sql_str(),
-            false,
-        )
-    };
-    let mut migrator = Migrator::with_migrations(MIGRATIONS.iter().map(migration).collect());
+    let mut migrator = steps();
     // It would lock by a session, which a pooler of connections does not keep; the tables' own locks order the steps.
     migrator.set_locking(false);
     migrator.run(db).await
 }
 
 async fn found(db: &mut PgConnection) -> Result<Found, StoreError> {
-    let is_there =
-        "select to_regclass('_sqlx_migrations') is not null and to_regclass('schema_reach') is not null";
-    if !sqlx::query_scalar::<_, bool>(is_there).fetch_one(&mut *db).await? {
-        return Ok(Found::default());
+    let are_there = "select to_regclass('_sqlx_migrations') is not null, to_regclass('maps') is not null";
+    match sqlx::query_as(are_there).fetch_one(&mut *db).await? {
+        (false, false) => return Ok(Found::default()),
+        (false, true) => return Err(StoreError::UnknownForm),
+        (true, _) => {}
     }
-    let version = sqlx::query_scalar("select coalesce(max(version), 0) from _sqlx_migrations where success");
+    let applied = "select version, checksum from _sqlx_migrations where success order by version";
+    let applied: Vec<(i64, Vec<u8>)> = sqlx::query_as(applied).fetch_all(&mut *db).await?;
+    let version = version_by(&applied, &steps())?;
     let oldest = sqlx::query_scalar("select oldest from schema_reach");
     let known =
         sqlx::query_scalar("select schema from nodes where expires > clock_timestamp() order by schema");
     Ok(Found {
-        version: version.fetch_one(&mut *db).await?,
+        version,
         oldest: oldest.fetch_one(&mut *db).await?,
         known_to_servers: known.fetch_all(&mut *db).await?,
     })

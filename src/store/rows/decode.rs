@@ -1,14 +1,14 @@
 //! From one row to one value of the model; a value that does not decode is an error that says which.
 
 use super::blob::{unpack, unpack_array};
-use super::packing::Packing;
+use super::column::integers_of;
 use crate::domain::anchor::Observation;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
-use crate::domain::request::{Digest, KeyframeDigest};
+use crate::domain::request::Digest;
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
 use crate::store::StoreError;
 use crate::store::sql::Row;
@@ -19,33 +19,9 @@ pub(in crate::store) fn digest(row: &Row) -> Result<Digest, StoreError> {
     bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
 }
 
-/// Reads the digest of a keyframe. One that begins with a rule's number is longer than the first ones, which had none.
-pub(in crate::store) fn keyframe_digest(row: &Row) -> Result<KeyframeDigest, StoreError> {
-    let bytes: &[u8] = row.try_get("digest")?;
-    let corrupt = || StoreError::corrupt("a digest of another length or rule");
-    match bytes.split_first() {
-        Some((&OF_FACTS, digest)) if digest.len() == size_of::<Digest>() => {
-            digest.try_into().map(KeyframeDigest::OfFacts).map_err(|_| corrupt())
-        }
-        _ => bytes.try_into().map(KeyframeDigest::OfText).map_err(|_| corrupt()),
-    }
-}
-
-/// Writes the digest of a keyframe.
-pub(in crate::store) fn keyframe_digest_blob(digest: KeyframeDigest) -> Vec<u8> {
-    match digest {
-        KeyframeDigest::OfText(digest) => digest.to_vec(),
-        KeyframeDigest::OfFacts(digest) => [&[OF_FACTS], &digest[..]].concat(),
-    }
-}
-
-/// The number of the rule that digests facts.
-const OF_FACTS: u8 = 2;
-
 /// Reads a keyframe and its bag of words.
 pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), StoreError> {
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
-    let packing = Packing::of(row)?;
     let keyframe = Keyframe {
         seq: KeyframeSeq(row.try_get("keyframe")?),
         id: id(row.try_get("id")?)?,
@@ -54,22 +30,18 @@ pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), Sto
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
         gravity: gravity(row)?,
-        observes: packing.wide(row.try_get("observes")?)?.into(),
+        observes: integers_of::<i64>(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         renamed: None,
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
-    Ok((keyframe, packed_bow(row, packing)?))
+    Ok((keyframe, bow(row)?))
 }
 
 /// Reads a bag of words.
 pub(in crate::store) fn bow(row: &Row) -> Result<BowVector, StoreError> {
-    packed_bow(row, Packing::of(row)?)
-}
-
-fn packed_bow(row: &Row, packing: Packing) -> Result<BowVector, StoreError> {
     let (words, weights) =
-        (packing.narrow(row.try_get("bow_words")?)?, packing.narrow(row.try_get("bow_weights")?)?);
+        (integers_of(row.try_get("bow_words")?)?, integers_of(row.try_get("bow_weights")?)?);
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
 }
 

@@ -111,19 +111,14 @@ async fn changed(db: &mut Connection) -> Result<(), StoreError> {
 }
 
 fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
-    MapPattern::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
+    text.parse().map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
 }
 
 /// Returns the API keys of a database that are not revoked, by number and name.
 pub async fn standing_keys(files: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
     let mut db = sql::Connection::Sqlite(files.read_only().connect().await?);
-    let table = "select count(*) from sqlite_master where type = 'table' and name = 'keys'";
-    let mut keys = Vec::new();
-    // A database of an earlier version has none.
-    if sql::query_scalar::<i64>(table).fetch_one(&mut db).await? > 0 {
-        let select = "select key, name from keys where revoked_sec is null order by key";
-        keys = sql::query_as::<(i64, String)>(select).fetch_all(&mut db).await?;
-    }
+    let select = "select key, name from keys where revoked_sec is null order by key";
+    let keys: Vec<(i64, String)> = sql::query_as(select).fetch_all(&mut db).await?;
     db.close().await?;
     Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())
 }

@@ -6,8 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use super::blob::{gravity_blob, pack};
 use super::bulk_insert::write_rows;
 use super::column::integers;
-use super::decode::keyframe_digest_blob;
-use super::packing::{self, Packing};
+use super::keypoints::keypoints;
 use super::statement::run;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
@@ -45,7 +44,7 @@ pub(in crate::store) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing, gravity, global_model, global_encoding, global_descriptor, stored_sec) ";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, gravity, global_model, global_encoding, global_descriptor, stored_sec) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
@@ -56,10 +55,8 @@ pub(in crate::store) async fn add_keyframes(
         for list in [bow.words(), bow.weights()] {
             row.push_bind(integers(&list.iter().map(|number| i64::from(*number)).collect::<Vec<_>>()));
         }
-        row.push_bind(keyframe_digest_blob(rows.digest))
-            .push_bind(keyframe.bytes as i64)
-            .push_bind(*version as i64);
-        row.push_bind(Packing::NEWEST.number()).push_bind(keyframe.gravity.map(gravity_blob));
+        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
+        row.push_bind(keyframe.gravity.map(gravity_blob));
         let global = rows.keyframe.global_descriptor.as_ref();
         row.push_bind(global.map(|of| of.model.as_str().to_owned()));
         row.push_bind(global.map(|of| of.encoding.as_str()));
@@ -69,14 +66,13 @@ pub(in crate::store) async fn add_keyframes(
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();
     let arrived: Vec<&Arrived<'_>> = arrived.iter().filter(|arrived| with_features(arrived)).collect();
-    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points, packing) ";
+    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points) ";
     write_rows(db, head, "", &arrived, |row, arrived| {
         let Arrived { map, keyframe, rows, .. } = arrived;
         let Some(features) = &rows.keyframe.features else { return };
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(features.descriptor_bytes as i64);
-        row.push_bind(features.descriptors.clone()).push_bind(packing::keypoints(&features.keypoints));
+        row.push_bind(features.descriptors.clone()).push_bind(keypoints(&features.keypoints));
         row.push_bind(integers(&features.map_points.iter().map(|id| id.unwrap_or(-1)).collect::<Vec<_>>()));
-        row.push_bind(Packing::NEWEST.number());
     })
     .await
 }

@@ -139,7 +139,7 @@ fn map_row(row: &Row) -> Result<MapRow, StoreError> {
         sessions: sessions as usize,
         loops: loops as usize,
         bytes,
-        learned: learned(row)?.unwrap_or_default(),
+        learned: learned(row)?,
     };
     Ok(MapRow { report, digest: digest(row)? })
 }
@@ -166,16 +166,15 @@ fn learned_text(learned: &Learned) -> String {
     serde_json::json!({"numbering": **numbering, "twins": twins}).to_string()
 }
 
-/// Returns what a map's row says that it has learned; `None` if its last write was before rows said so.
-pub(in crate::store) fn learned(row: &Row) -> Result<Option<Learned>, StoreError> {
+/// Returns what a map's row says that it has learned.
+pub(in crate::store) fn learned(row: &Row) -> Result<Learned, StoreError> {
     #[derive(serde::Deserialize)]
     struct Row {
         numbering: BTreeMap<Box<str>, Vec<String>>,
         twins: Vec<(String, String, u32, u32)>,
     }
-    let Some(text) = row.try_get::<Option<&str>, _>("learned")? else { return Ok(None) };
     let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
-    let Row { numbering, twins } = serde_json::from_str(text).map_err(unread)?;
+    let Row { numbering, twins } = serde_json::from_str(row.try_get("learned")?).map_err(unread)?;
     let named = |(keyframe, candidate, anchor, other): (String, String, u32, u32)| {
         Ok(NamedTwins {
             keyframe: decode::id(&keyframe)?,
@@ -185,7 +184,7 @@ pub(in crate::store) fn learned(row: &Row) -> Result<Option<Learned>, StoreError
         })
     };
     let twins = twins.into_iter().map(named).collect::<Result<_, StoreError>>()?;
-    Ok(Some(Learned { numbering: numbering.into(), twins }))
+    Ok(Learned { numbering: numbering.into(), twins })
 }
 
 /// Returns a map's properties, in place of those it had.

@@ -1,7 +1,7 @@
 //! Map points, in blocks of 64 numbers: to the database and back.
 //!
 //! A client numbers its points one after the other, so that the 500 new ones of a keyframe are eight or nine rows. A
-//! point whose number stands alone takes a row of its own, as before blocks.
+//! point whose number stands alone takes a row of its own.
 
 use std::collections::BTreeMap;
 
@@ -12,17 +12,13 @@ use crate::domain::ids::{PointId, SessionSeq};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::transaction::Transaction;
-use crate::store::sql::{self, Connection, Pool};
+use crate::store::sql::{self, Connection};
 
 /// Numbers of a block, as a power of two.
 const BLOCK_BITS: u32 = 6;
 
 /// Blocks that are read and written at a time.
 const BLOCKS_AT_A_TIME: usize = 512;
-
-/// Rows that are moved into blocks in one transaction.
-const ROWS_MOVED: i64 = 50_000;
 
 /// The points of a block, each at the last bits of its number.
 struct Block([Option<Point3>; 1 << BLOCK_BITS]);
@@ -163,26 +159,6 @@ pub(in crate::store) async fn positions(
         }
     }
     Ok(found)
-}
-
-/// Moves the rows of former versions into blocks, some in each transaction, so that it may be interrupted.
-pub(in crate::store) async fn move_rows(pool: &Pool) -> Result<(), StoreError> {
-    loop {
-        let mut db = Transaction::write(pool).await?;
-        let select = "select map_key, session, point, x, y, z from map_points order by map_key, session, point limit $1";
-        let rows: Vec<(MapKey, u32, PointId, f64, f64, f64)> =
-            sql::query_as(select).bind(ROWS_MOVED).fetch_all(&mut *db).await?;
-        let Some(last) = rows.last() else { return db.commit().await };
-        for of_map in rows.chunk_by(|a, b| a.0 == b.0) {
-            let points = of_map
-                .iter()
-                .map(|(_, session, id, x, y, z)| (SessionSeq(*session), *id, Some(Point3::new(*x, *y, *z))));
-            change(&mut db, of_map[0].0, points).await?;
-        }
-        let delete = "delete from map_points where (map_key, session, point) <= ($1, $2, $3)";
-        run(&mut db, sql::query(delete).bind(last.0).bind(last.1).bind(last.2)).await?;
-        db.commit().await?;
-    }
 }
 
 /// Unpacks a blob as a block of points, for fuzzing: what fits reads back.

@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::blob::{unpack, unpack_array};
+use super::column::integers_of;
 use super::decode::{self, point};
 use super::frame_rows;
-use super::packing::Packing;
+use super::keypoints::keypoints_of;
 use super::session_merge_rows;
 use crate::domain::anchor::{IgnoredReason, Outcome};
 use crate::domain::bow::BowVector;
@@ -14,7 +15,7 @@ use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId, SessionSeq};
 use crate::domain::keyframe::{Crop, Detection, Features};
-use crate::domain::request::KeyframeDigest;
+use crate::domain::request::Digest;
 use crate::domain::session_merge::MergeUndo;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::deferred;
@@ -33,7 +34,7 @@ pub struct KeyframeRow {
     /// Its detections, in their order.
     pub detections: Vec<DetectionRow>,
     /// The digest that tells a retry of it from another keyframe.
-    pub digest: KeyframeDigest,
+    pub digest: Digest,
 }
 
 /// A detection and what became of it.
@@ -60,8 +61,7 @@ impl Store {
 
     /// Returns the bag of words of a keyframe.
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
-        let select =
-            "select bow_words, bow_weights, packing from keyframes where map_key = $1 and keyframe = $2";
+        let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
         let row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
@@ -83,7 +83,7 @@ impl Store {
         keyframe: KeyframeSeq,
     ) -> Result<Option<KeyframeRow>, StoreError> {
         let mut db = self.snapshot().await?;
-        let select = "select bow_words, bow_weights, sent_points, digest, packing from keyframes where map_key = $1 and keyframe = $2";
+        let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
         let found = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let Some(row) = found else {
             db.commit().await?;
@@ -230,7 +230,7 @@ fn keyframe_row(
         features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
         sent_points: sent_points(row)?,
         detections,
-        digest: decode::keyframe_digest(row)?,
+        digest: decode::digest(row)?,
     })
 }
 
@@ -241,13 +241,12 @@ pub(in crate::store) fn names_itself(id: &str, body: &[u8]) -> bool {
 }
 
 pub(in crate::store) fn sent_points(row: &Row) -> Result<Vec<PointId>, StoreError> {
-    Packing::of(row)?.wide(row.try_get("sent_points")?)
+    integers_of(row.try_get("sent_points")?)
 }
 
 pub(in crate::store) fn features(row: &Row) -> Result<Features, StoreError> {
-    let packing = Packing::of(row)?;
-    let keypoints = packing.keypoints(row.try_get("keypoints")?)?;
-    let map_points = packing.wide(row.try_get("map_points")?)?;
+    let keypoints = keypoints_of(row.try_get("keypoints")?)?;
+    let map_points: Vec<i64> = integers_of(row.try_get("map_points")?)?;
     let descriptor_bytes = row.try_get::<u32, _>("descriptor_bytes")? as usize;
     let descriptors: Vec<u8> = row.try_get("descriptors")?;
     if map_points.len() != keypoints.len() || descriptors.len() != descriptor_bytes * keypoints.len() {

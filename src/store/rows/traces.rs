@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::decode;
 use super::former_value_rows::{packed, unpacked};
-use super::packing::Packing;
+use super::read::sent_points;
 use super::statement::run;
 use crate::domain::ids::{PointId, SessionId, SessionSeq};
 use crate::semantics::Text;
@@ -135,10 +135,10 @@ async fn remove_former_values(
     }
     let mut keyframes = BTreeSet::new();
     let mut points: BTreeSet<PointId> = BTreeSet::new();
-    let select = "select keyframe, packing, sent_points from keyframes where map_key = $1";
+    let select = "select keyframe, sent_points from keyframes where map_key = $1";
     for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         keyframes.insert(row.try_get::<u32, _>("keyframe")?);
-        points.extend(Packing::of(&row)?.wide(row.try_get("sent_points")?)?);
+        points.extend(sent_points(&row)?);
     }
     let select = "select exists (select 1 from session_merges where map_key = $1)";
     let has_merges: bool = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;

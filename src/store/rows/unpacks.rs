@@ -1,7 +1,6 @@
 //! Unpacking of any bytes, for fuzzing.
 
-use super::packing::Packing;
-use super::{blob, column, point_blocks};
+use super::{blob, column, keypoints, point_blocks};
 
 /// Unpacks a blob as everything that rows have: what fits reads back, and nothing panics.
 ///
@@ -10,5 +9,5 @@ use super::{blob, column, point_blocks};
 pub fn unpacks(bytes: &[u8]) {
     blob::unpacks(bytes);
     point_blocks::unpacks(bytes);
-    let _ = (column::integers_of::<u32>(bytes), column::floats_of(bytes), Packing::Columns.keypoints(bytes));
+    let _ = (column::integers_of::<u32>(bytes), column::floats_of(bytes), keypoints::keypoints_of(bytes));
 }

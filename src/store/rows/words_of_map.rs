@@ -65,7 +65,7 @@ async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreErr
 }
 
 async fn best_score(db: &mut Db, map: MapKey, vectors: &[&BowVector]) -> Result<Score, StoreError> {
-    let select = "select keyframe, bow_words, bow_weights, packing from keyframes \
+    let select = "select keyframe, bow_words, bow_weights from keyframes \
          where map_key = $1 and keyframe > $2 order by keyframe limit $3";
     let (mut best, mut last) = (Score::default(), -1_i64);
     loop {

@@ -4,8 +4,6 @@ mod backups;
 mod bytes;
 mod checks;
 mod damaged;
-mod fixtures;
-mod former_digests;
 mod logs;
 mod metrics;
 mod migrations;

@@ -1,4 +1,4 @@
--- Every fact in plain tables, as SQLite has them at schema 22 (see the migrations beside), where what each column holds is told.
+-- Every fact in plain tables, as SQLite has them: its migration tells what each column holds.
 --
 -- `map_key` leads the key of every table that grows, so that a sharded PostgreSQL can distribute the tables by it. Texts
 -- are compared by their bytes, as SQLite does: orders, and so answers, must not depend on a server's locale.
@@ -25,7 +25,7 @@ create table maps (
     loops bigint not null default 0,
     bytes bigint not null default 0,
     memory_bytes bigint not null default 0,
-    learned text collate "C",
+    learned text collate "C" not null,
     gravity bytea,
     constraint maps_key primary key (map_key),
     constraint maps_id unique (id)
@@ -66,18 +66,15 @@ create table keyframes (
     pose bytea not null,
     -- fx fy cx cy as float64, width height as uint32; null if the client did not tell.
     camera bytea,
-    -- int64 point numbers, ascending: all points observed, and those sent with a position.
     observes bytea not null,
     sent_points bytea not null,
     -- uint32 pairs (keyframe, shared).
     declared bytea not null,
-    -- uint32 words, ascending, and uint32 weights in units of 2^-31.
     bow_words bytea not null,
     bow_weights bytea not null,
     digest bytea not null,
     bytes bigint not null default 0,
     version bigint not null default 0,
-    packing bigint not null default 0,
     gravity bytea,
     global_model text collate "C",
     global_encoding text collate "C",
@@ -95,11 +92,8 @@ create table keyframe_features (
     keyframe bigint not null,
     descriptor_bytes bigint not null,
     descriptors bytea not null,
-    -- float64 u v angle_deg (NaN without one) and uint8 octave, for each feature.
     keypoints bytea not null,
-    -- int64 for each feature; -1 without one.
     map_points bytea not null,
-    packing bigint not null default 0,
     constraint keyframe_features_key primary key (map_key, keyframe),
     constraint keyframe_features_keyframe foreign key (map_key, keyframe)
         references keyframes (map_key, keyframe) on delete cascade
@@ -740,7 +734,7 @@ alter table keyframe_features
 alter table crops alter column bytes set storage external;
 alter table point_blocks alter column points set storage external;
 
-insert into schema_reach (only_row, oldest) values (1, 22);
+insert into schema_reach (only_row, oldest) values (1, 1);
 insert into map_keys (only_row, last) values (1, 0);
 insert into key_changes (only_row, change) values (1, 0);
 insert into event_numbers (only_row, last) values (1, 0);
