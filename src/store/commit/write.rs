@@ -22,15 +22,15 @@ const FIRST_VERSION: u64 = 1;
 
 /// The rows of a group's jobs: those that only add to others are gathered, and written before anything else is done.
 struct Rows<'c, 'j> {
-    db: &'c mut Connection,
+    connection: &'c mut Connection,
     gathered: Additions<'j>,
 }
 
 impl Rows<'_, '_> {
     /// Returns the connection, once what is gathered is written.
-    async fn flushed(&mut self) -> Result<&mut Connection, StoreError> {
-        std::mem::take(&mut self.gathered).write(self.db).await?;
-        Ok(self.db)
+    async fn db(&mut self) -> Result<&mut Connection, StoreError> {
+        std::mem::take(&mut self.gathered).write(self.connection).await?;
+        Ok(self.connection)
     }
 }
 
@@ -39,18 +39,18 @@ pub(in crate::store) async fn execute<'j>(
     db: &mut Connection,
     jobs: impl Iterator<Item = &'j Job>,
 ) -> Result<(), StoreError> {
-    let mut rows = Rows { db, gathered: Additions::default() };
+    let mut rows = Rows { connection: db, gathered: Additions::default() };
     for job in jobs {
         execute_one(&mut rows, job).await?;
     }
-    rows.flushed().await.map(drop)
+    rows.db().await.map(drop)
 }
 
 async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), StoreError> {
     match job {
         Job::Change(batch) => change_map(rows, batch).await,
         Job::ChangeStaged { batch, parts, .. } => {
-            deferred::commit_staged(rows.flushed().await?, batch.map, batch.version, *parts).await?;
+            deferred::commit_staged(rows.db().await?, batch.map, batch.version, *parts).await?;
             change_map(rows, batch).await
         }
         Job::KeepQuery { map, id, kept, body } => {
@@ -59,57 +59,51 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         }
         Job::AppendEvents(map, next_event, events) => {
             let update = "update maps set next_event = $2 where map_key = $1";
-            run(rows.flushed().await?, sql::query(update).bind(map).bind(*next_event as i64)).await?;
+            run(rows.db().await?, sql::query(update).bind(map).bind(*next_event as i64)).await?;
             rows.gathered.tell(*map, events);
             Ok(())
         }
         Job::CreateMap { id, properties, digest, owner } => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             let key = map_rows::create(db, id, properties, digest, *owner).await?;
             operation_rows::add(db, (key, FIRST_VERSION), &Operation::from(&**properties)).await
         }
         Job::DeleteMap(map) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             map_rows::keep_event_numbers(db, *map).await?;
             deletion::mark_deleted(db, *map).await
         }
-        Job::DiscardCopy(copy) => deletion::mark_deleted(rows.flushed().await?, *copy).await,
-        Job::BeginCopy { row, id } => copied_rows::begin(rows.flushed().await?, row, id).await,
-        Job::CopyRows { map, block } => copied_rows::write_block(rows.flushed().await?, *map, block).await,
-        Job::AddRows(block) => transferred_rows::write_beside_maps(rows.flushed().await?, block).await,
-        Job::AddRelease { maps, row } => {
-            transferred_rows::write_release(rows.flushed().await?, *maps, row).await
-        }
-        Job::RaiseLastEvent(last) => transferred_rows::raise_last_event(rows.flushed().await?, *last).await,
+        Job::DiscardCopy(copy) => deletion::mark_deleted(rows.db().await?, *copy).await,
+        Job::BeginCopy { row, id } => copied_rows::begin(rows.db().await?, row, id).await,
+        Job::CopyRows { map, block } => copied_rows::write_block(rows.db().await?, *map, block).await,
+        Job::AddRows(block) => transferred_rows::write_beside_maps(rows.db().await?, block).await,
+        Job::AddRelease { maps, row } => transferred_rows::write_release(rows.db().await?, *maps, row).await,
+        Job::RaiseLastEvent(last) => transferred_rows::raise_last_event(rows.db().await?, *last).await,
         Job::FinishCopy { map, copied_as } => {
-            release_rows::finish_copy(rows.flushed().await?, *map, copied_as).await
+            release_rows::finish_copy(rows.db().await?, *map, copied_as).await
         }
         Job::ForgetDialogues(map) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             note_rewrite(db, *map).await?;
             retention_rows::forget_dialogues(db, *map).await
         }
-        Job::Erase(map, number, step) => erase(rows.flushed().await?, (*map, *number), step).await,
-        Job::CountUses { release, uses } => {
-            release_rows::count_uses(rows.flushed().await?, *release, uses).await
-        }
+        Job::Erase(map, number, step) => erase(rows.db().await?, (*map, *number), step).await,
+        Job::CountUses { release, uses } => release_rows::count_uses(rows.db().await?, *release, uses).await,
         Job::Stage { map, version, number, part, .. } => {
-            deferred::stage(rows.flushed().await?, *map, *version, *number, part).await
+            deferred::stage(rows.db().await?, *map, *version, *number, part).await
         }
         Job::KeepFrames { map, version, frames } => {
-            frame_rows::keep(rows.flushed().await?, *map, *version, frames).await
+            frame_rows::keep(rows.db().await?, *map, *version, frames).await
         }
         Job::KeepAnswer { key, operation, model, answer } => {
-            model_rows::keep_answer(rows.flushed().await?, key, operation, model, answer).await
+            model_rows::keep_answer(rows.db().await?, key, operation, model, answer).await
         }
-        Job::ForgetAway => model_rows::forget_away(rows.flushed().await?).await,
-        Job::Spend(spent) => model_rows::spend(rows.flushed().await?, spent).await,
-        Job::CreateKey(key) => key_rows::create(rows.flushed().await?, key).await,
-        Job::RevokeKey(key, at) => key_rows::revoke(rows.flushed().await?, *key, *at).await,
-        Job::StartJudgement(map, judgement) => {
-            judgement_rows::start(rows.flushed().await?, *map, judgement).await
-        }
-        Job::StopJudgement(map, id) => judgement_rows::stop(rows.flushed().await?, *map, id).await,
+        Job::ForgetAway => model_rows::forget_away(rows.db().await?).await,
+        Job::Spend(spent) => model_rows::spend(rows.db().await?, spent).await,
+        Job::CreateKey(key) => key_rows::create(rows.db().await?, key).await,
+        Job::RevokeKey(key, at) => key_rows::revoke(rows.db().await?, *key, *at).await,
+        Job::StartJudgement(map, judgement) => judgement_rows::start(rows.db().await?, *map, judgement).await,
+        Job::StopJudgement(map, id) => judgement_rows::stop(rows.db().await?, *map, id).await,
     }
 }
 
@@ -144,9 +138,10 @@ async fn note_rewrite(db: &mut Connection, map: MapKey) -> Result<(), StoreError
 async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(), StoreError> {
     let map = batch.map;
     // What must not overtake deferred changes is deferred behind them.
-    let defers = batch.changes.iter().any(deferred::is_ordered) && rows.gathered.defers(rows.db, map).await?;
+    let defers =
+        batch.changes.iter().any(deferred::is_ordered) && rows.gathered.defers(rows.connection, map).await?;
     if defers {
-        deferred::defer(rows.flushed().await?, batch).await?;
+        deferred::defer(rows.db().await?, batch).await?;
     }
     rows.gathered.advance(batch);
     for change in &batch.changes {
@@ -154,9 +149,9 @@ async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(),
             apply(rows, batch, change).await?;
         }
     }
-    former_value_rows::add(rows.db, batch).await?;
+    former_value_rows::add(rows.connection, batch).await?;
     if batch.is_followed {
-        change_log::log(rows.db, batch).await?;
+        change_log::log(rows.connection, batch).await?;
     }
     // After the anchors they name.
     rows.gathered.detect(detections(batch)?);
@@ -164,8 +159,10 @@ async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(),
     Ok(())
 }
 
+#[expect(clippy::too_many_lines, reason = "one arm for each change")]
 async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change) -> Result<(), StoreError> {
     let (map, version) = (batch.map, batch.version);
+    let of = (map, version);
     match change {
         Change::SessionAdded(seq, id) => rows.gathered.sessions.push((map, *seq, id)),
         Change::KeyframeAdded(keyframe, bow) => {
@@ -179,130 +176,108 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         // Written with the keyframe's rows.
         Change::GlobalDescriptorSet(..) | Change::Observed(..) | Change::OutcomeSet(..) => {}
         Change::MapSet(properties) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             map_rows::set_properties(db, map, properties).await?;
-            operation_rows::add(db, (map, version), &Operation::from(&**properties)).await?;
+            operation_rows::add(db, of, &Operation::from(&**properties)).await?;
         }
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
-            run(rows.flushed().await?, sql::query(update).bind(map).bind(&**name)).await?;
+            run(rows.db().await?, sql::query(update).bind(map).bind(&**name)).await?;
         }
         Change::KeyframeRemoved(seq, _) => {
             let delete = "delete from keyframes where map_key = $1 and keyframe = $2";
-            run(rows.flushed().await?, sql::query(delete).bind(map).bind(seq.0)).await?;
+            run(rows.db().await?, sql::query(delete).bind(map).bind(seq.0)).await?;
         }
-        Change::PartsForgotten(parts) => {
-            retention_rows::forget_parts(rows.flushed().await?, map, parts).await?
-        }
+        Change::PartsForgotten(parts) => retention_rows::forget_parts(rows.db().await?, map, parts).await?,
         Change::PoseSet(seq, pose) => {
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-            run(rows.flushed().await?, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose)))
-                .await?;
+            run(rows.db().await?, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await?;
         }
         Change::ObservationsSent(update) => {
-            operation_rows::add(rows.flushed().await?, (map, version), &Operation::from(&**update)).await?;
+            operation_rows::add(rows.db().await?, of, &Operation::from(&**update)).await?;
         }
         Change::PointsOfKeyframeSet(points) => {
-            observation_rows::set_points_of_keyframe(rows.flushed().await?, map, points).await?;
+            observation_rows::set_points_of_keyframe(rows.db().await?, map, points).await?;
         }
         Change::PointsOfDetectionSet(_, keyframe, detection, points) => {
-            observation_rows::set_points_of_detection(
-                rows.flushed().await?,
-                map,
-                (*keyframe, *detection),
-                points,
-            )
-            .await?;
-        }
-        Change::PointsForgotten(session, ids) => {
-            point_blocks::change(rows.flushed().await?, map, ids.iter().map(|id| (*session, *id, None)))
+            observation_rows::set_points_of_detection(rows.db().await?, map, (*keyframe, *detection), points)
                 .await?;
         }
+        Change::PointsForgotten(session, ids) => {
+            point_blocks::change(rows.db().await?, map, ids.iter().map(|id| (*session, *id, None))).await?;
+        }
         Change::AnchorRemoved(seq) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             let orphan =
                 "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
                 deleted_in = $3 where map_key = $1 and anchor = $2";
             let orphan = sql::query(orphan).bind(map).bind(seq.0).bind(version as i64);
             // One that lost its last detection with a keyframe has none to be deleted from.
             if orphan.execute(&mut *db).await? > 0 {
-                operation_rows::add(db, (map, version), &Operation::AnchorDeleted {}).await?;
+                operation_rows::add(db, of, &Operation::AnchorDeleted {}).await?;
             }
-            prior_rows::remove(db, (map, version), *seq).await?;
+            prior_rows::remove(db, of, *seq).await?;
             let delete = "delete from anchors where map_key = $1 and anchor = $2";
             run(db, sql::query(delete).bind(map).bind(seq.0)).await?;
         }
-        Change::PriorSet(seq, prior) => {
-            prior_rows::add(rows.flushed().await?, (map, version), *seq, prior).await?
-        }
+        Change::PriorSet(seq, prior) => prior_rows::add(rows.db().await?, of, *seq, prior).await?,
         Change::PositionSet(_, keyframe, detection, at) => {
             let update =
                 "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
             let position = pack([at.x, at.y, at.z]);
             run(
-                rows.flushed().await?,
+                rows.db().await?,
                 sql::query(update).bind(map).bind(keyframe.0).bind(*detection).bind(position),
             )
             .await?;
         }
         Change::DescriptionSet(seq, text) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
             run(db, sql::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
-            operation_rows::add(db, (map, version), &operation_rows::described(*seq, text.as_deref()))
-                .await?;
+            operation_rows::add(db, of, &operation_rows::described(*seq, text.as_deref())).await?;
         }
-        Change::Merged(merge) => add_merge(rows.flushed().await?, map, merge).await?,
-        Change::Parted(merge) => remove_merge(rows.flushed().await?, map, merge).await?,
+        Change::Merged(merge) => add_merge(rows.db().await?, map, merge).await?,
+        Change::Parted(merge) => remove_merge(rows.db().await?, map, merge).await?,
         Change::SessionsMerged(merge) => {
-            let db = rows.flushed().await?;
-            session_merge_rows::add(db, (map, version), merge).await?;
-            operation_rows::add(db, (map, version), &Operation::from(&**merge)).await?;
+            let db = rows.db().await?;
+            session_merge_rows::add(db, of, merge).await?;
+            operation_rows::add(db, of, &Operation::from(&**merge)).await?;
         }
-        Change::MergeKept(undo) => {
-            session_merge_rows::keep_undo(rows.flushed().await?, (map, version), undo).await?
-        }
-        Change::MergeSettled(session) => {
-            session_merge_rows::settle(rows.flushed().await?, map, *session).await?
-        }
-        Change::MergeRevoked(undo) => revoke_merge(rows.flushed().await?, (map, version), undo).await?,
+        Change::MergeKept(undo) => session_merge_rows::keep_undo(rows.db().await?, of, undo).await?,
+        Change::MergeSettled(session) => session_merge_rows::settle(rows.db().await?, map, *session).await?,
+        Change::MergeRevoked(undo) => revoke_merge(rows.db().await?, of, undo).await?,
         Change::LoopAdded(closed) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             add_loop(db, map, closed).await?;
-            operation_rows::add(db, (map, version), &Operation::from(closed)).await?;
+            operation_rows::add(db, of, &Operation::from(closed)).await?;
         }
-        Change::TwinsFound(twins) => twin_rows::add(rows.flushed().await?, map, twins).await?,
-        Change::TwinsWithdrawn(twins) => twin_rows::remove(rows.flushed().await?, map, twins).await?,
+        Change::TwinsFound(twins) => twin_rows::add(rows.db().await?, map, twins).await?,
+        Change::TwinsWithdrawn(twins) => twin_rows::remove(rows.db().await?, map, twins).await?,
         Change::ObservationMoved(moved) => {
-            changed_sign_rows::move_observation(rows.flushed().await?, map, moved).await?
+            changed_sign_rows::move_observation(rows.db().await?, map, moved).await?;
         }
-        Change::SignMissed(missed) => changed_sign_rows::miss(rows.flushed().await?, map, missed).await?,
+        Change::SignMissed(missed) => changed_sign_rows::miss(rows.db().await?, map, missed).await?,
         Change::MissesWithdrawn(anchor) => {
-            changed_sign_rows::withdraw_misses(rows.flushed().await?, map, *anchor).await?
+            changed_sign_rows::withdraw_misses(rows.db().await?, map, *anchor).await?;
         }
         Change::SignRetired(anchor, other) => {
-            changed_sign_rows::retire(rows.flushed().await?, map, *anchor, *other).await?
+            changed_sign_rows::retire(rows.db().await?, map, *anchor, *other).await?;
         }
-        Change::SignReturned(anchor) => {
-            changed_sign_rows::restore(rows.flushed().await?, map, *anchor).await?
-        }
-        Change::CropRead(read) => {
-            model_rows::add_reading(rows.flushed().await?, (map, version), read).await?
-        }
-        Change::Judged(verdict) => {
-            model_rows::add_verdict(rows.flushed().await?, (map, version), verdict).await?
-        }
+        Change::SignReturned(anchor) => changed_sign_rows::restore(rows.db().await?, map, *anchor).await?,
+        Change::CropRead(read) => model_rows::add_reading(rows.db().await?, of, read).await?,
+        Change::Judged(verdict) => model_rows::add_verdict(rows.db().await?, of, verdict).await?,
         Change::JudgementAdvanced(progress) => {
-            judgement_rows::advance(rows.flushed().await?, map, progress).await?
+            judgement_rows::advance(rows.db().await?, map, progress).await?;
         }
-        Change::ModelAway(away) => model_rows::set_away(rows.flushed().await?, map, *away).await?,
+        Change::ModelAway(away) => model_rows::set_away(rows.db().await?, map, *away).await?,
         Change::LoopRemoved(id) => {
-            let db = rows.flushed().await?;
+            let db = rows.db().await?;
             let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
             run(db, sql::query(merges).bind(map).bind(id.as_str())).await?;
             let delete = "delete from loops where map_key = $1 and id = $2";
             run(db, sql::query(delete).bind(map).bind(id.as_str())).await?;
-            operation_rows::add(db, (map, version), &operation_rows::revoked(id)).await?;
+            operation_rows::add(db, of, &operation_rows::revoked(id)).await?;
         }
     }
     Ok(())
