@@ -116,7 +116,7 @@ async fn of_server(sends: Sends, keyframes: u32) {
         let (service, map) = (Arc::new(service.clone()), map.clone());
         let puts = batch.into_iter().map(|keyframe| {
             let (service, map) = (service.clone(), map.clone());
-            tokio::spawn(async move { service.put_keyframe(&map, keyframe, [0; 32].into()).await.map(drop) })
+            tokio::spawn(async move { service.put_keyframe(&map, keyframe, [0; 32]).await.map(drop) })
         });
         for put in puts.collect::<Vec<_>>() {
             put.await.expect("a task").expect("a keyframe is stored");

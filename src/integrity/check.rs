@@ -83,7 +83,7 @@ async fn check_all(db: &mut Inspected) -> IntegrityReport {
         }
         Ok(_) => {}
         Err(error) => {
-            checked.faults.push(format!("not a database of revisit: {error}"));
+            checked.faults.push(error.to_string());
             return checked;
         }
     }

@@ -83,7 +83,7 @@ async fn play(
             service.put_map(map.clone(), properties(patch), None).await.map(drop)
         }
         Recorded::Map(patch) => service.patch_map(map, patch).await.map(drop),
-        Recorded::Keyframe(keyframe) => service.put_keyframe(map, *keyframe, [0; 32].into()).await.map(drop),
+        Recorded::Keyframe(keyframe) => service.put_keyframe(map, *keyframe, [0; 32]).await.map(drop),
         Recorded::Poses(correction) => service.correct_poses(map, correction).await.map(drop),
         Recorded::Observations(changed) => service.change_observations(map, changed).await.map(drop),
         Recorded::SessionsMerged(merge) => service.merge_sessions(map, merge).await.map(drop),

@@ -45,7 +45,7 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 detections: detections.iter().map(detection).collect(),
                 ..bare(name)
             };
-            service.put_keyframe(map, keyframe, [name; 32].into()).await.map(drop)
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
         }
         Request::Sensed { name, tilt, descriptor } => {
             let (sin, cos) = (f64::from(tilt) * 0.1).sin_cos();
@@ -58,11 +58,11 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 }),
                 ..bare(name)
             };
-            service.put_keyframe(map, keyframe, [name; 32].into()).await.map(drop)
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
         }
         Request::Plates(name) => {
             let keyframe = NewKeyframe { detections: (0..10).map(plate).collect(), ..bare(name) };
-            service.put_keyframe(map, keyframe, [name; 32].into()).await.map(drop)
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
         }
         Request::Cull(name) => service.delete_keyframe(map, &keyframe_id(name)).await.map(drop),
         Request::Correct { session, keyframe, shift, points } => {

@@ -125,7 +125,7 @@ async fn every_damage_is_found() {
         ("update events set kind = 'nothing' where seq = 1", "event nothing"),
         ("update map_settings set value = 'many'", "setting covisibility_min_shared_points"),
         ("drop table point_blocks", "no such table"),
-        ("drop table _sqlx_migrations", "not a database of revisit"),
+        ("drop table _sqlx_migrations", "this version of revisit cannot read the database"),
     ];
     for (sql, expected) in damages {
         let damaged = folder.path().join("damaged.db");

@@ -81,15 +81,17 @@ async fn change(database: &Path, sql: &'static str) {
 
 /// Every command that opens a database refuses this one.
 fn is_refused(database: &Path, because: &str) {
-    let (from, folder) = (url(database), database.parent().unwrap());
+    let from = url(database);
+    let [restored, recording] = ["restored.db", "m.ndjson"].map(|name| database.with_file_name(name));
     for arguments in [
         vec!["serve", "--listen", "127.0.0.1:0", "--database", &from],
-        vec!["check", "--database", &from],
-        vec!["export", "m", "--database", &from],
-        vec!["restore", "--database", &url(&folder.join("other.db")), &database.display().to_string()],
+        vec!["export", "m", &recording.display().to_string(), "--database", &from],
+        vec!["restore", "--database", &url(&restored), &database.display().to_string()],
     ] {
         revisit(&arguments).refused(because);
     }
+    let checked = revisit(&["check", "--database", &from]);
+    assert!(!checked.succeeded && (checked.out + &checked.err).contains(because));
 }
 
 #[tokio::test(flavor = "multi_thread")]

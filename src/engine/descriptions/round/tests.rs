@@ -47,7 +47,7 @@ fn with_a_crop(name: &str) -> NewKeyframe {
 
 /// Writes to a map that has no work until then, and waits until it has left memory.
 async fn write_and_evict(service: &Service, map: &MapId) {
-    service.put_keyframe(map, with_a_crop("kf"), [0; 32].into()).await.unwrap();
+    service.put_keyframe(map, with_a_crop("kf"), [0; 32]).await.unwrap();
     while service.registry.in_memory_now(map).is_some() {
         service.registry.keep_to_budget();
         tokio::task::yield_now().await;
