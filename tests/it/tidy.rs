@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use imports::{circles, import_graph};
 
+mod ci;
 mod imports;
 mod tokens;
 
