@@ -48,4 +48,6 @@ mod transfers;
 mod trust;
 mod try_it;
 mod untaken;
+#[cfg(feature = "hotel")]
+mod verdicts;
 mod vocabulary;
