@@ -4,6 +4,9 @@
 //! A robot drives past signs, sees those within 6 m, and reads 15 % of them wrongly: half of these with one character changed,
 //! half as another sign of the plan. A sighting's position is off by 0.3 m and 3 % of its distance along each axis.
 
+// A simulation may compute with the platform's own sines.
+#![allow(clippy::disallowed_methods)]
+
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::process::ExitCode;

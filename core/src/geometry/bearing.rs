@@ -41,7 +41,7 @@ impl Bearing {
     pub fn angle_difference_rad(&self, other: &Self) -> f64 {
         // atan2 keeps its precision at 0 and pi, where acos of the dot product loses half the digits.
         let (a, b) = (&self.direction_in_camera, &other.direction_in_camera);
-        a.cross(b).norm().atan2(a.dot(b))
+        libm::atan2(a.cross(b).norm(), a.dot(b))
     }
 
     /// Returns the absolute difference of the two distances, in metres.

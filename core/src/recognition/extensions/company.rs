@@ -110,10 +110,10 @@ impl Companies {
 /// Returns the numbered signs around a text, nearest first; none where its own place is a guess.
 fn company(text: &LocalAnchor, map: &LocalAnchorMap) -> Vec<Neighbour> {
     let at = in_camera(text);
-    if text.range_assumed || at.x.hypot(at.z) < LEAST_HORIZONTAL_M {
+    if text.range_assumed || libm::hypot(at.x, at.z) < LEAST_HORIZONTAL_M {
         return Vec::new();
     }
-    let (sin, cos) = at.x.atan2(at.z).sin_cos();
+    let (sin, cos) = libm::sincos(libm::atan2(at.x, at.z));
     let is_numbered = |anchor: &&LocalAnchor| {
         anchor.name != text.name
             && !anchor.range_assumed

@@ -127,7 +127,7 @@ fn inverse_left_jacobian(turn: &Vector3<f64>) -> Matrix3<f64> {
         1.0 / 12.0
     } else {
         let half = angle / 2.0;
-        (1.0 - half / half.tan()) / angle.powi(2)
+        (1.0 - half / libm::tan(half)) / angle.powi(2)
     };
     Matrix3::identity() - cross * 0.5 + cross * cross * second
 }

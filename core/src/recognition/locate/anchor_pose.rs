@@ -102,7 +102,7 @@ fn is_as_far_apart(sighted: &[SightedAnchor], first: &AnchorPair, second: &Ancho
     let (a, b) = (&sighted[first.sighted].centre, &sighted[second.sighted].centre);
     let own_m = (a - b).norm();
     let of_map_m = (first.centre_in_session - second.centre_in_session).norm();
-    let sigma_m = sighting_sigma_m(a).hypot(sighting_sigma_m(b));
+    let sigma_m = libm::hypot(sighting_sigma_m(a), sighting_sigma_m(b));
     (own_m - of_map_m).abs() <= AGREES_WITHIN_SIGMAS * sigma_m
 }
 

@@ -18,7 +18,7 @@ pub(in crate::recognition) const MEASURED_TILT_SIGMA_RAD: f64 = 0.01;
 /// Returns the standard deviation of a sighted position, in metres: the camera's own, and the map's.
 pub fn sighting_sigma_m(centre_in_camera: &Point3) -> f64 {
     let own = SIGHTING_SIGMA_M + SIGHTING_SIGMA_SHARE * centre_in_camera.coords.norm();
-    own.hypot(SIGHTING_SIGMA_M)
+    libm::hypot(own, SIGHTING_SIGMA_M)
 }
 
 /// Returns the standard deviations of `map_from_camera` from these pairs of positions in the camera and in the map, all in
@@ -43,9 +43,9 @@ pub fn uncertainty(
         () if assumed.contains(&Assumption::Upright) => ASSUMED_TILT_SIGMA_RAD,
         () => MEASURED_TILT_SIGMA_RAD,
     };
-    let rotation_rad =
-        (variance / 3.0 / spread.max(f64::MIN_POSITIVE)).sqrt().min(std::f64::consts::PI).hypot(tilt);
-    let translation_m = (variance / count).sqrt().hypot(mean.norm() * rotation_rad);
+    let turn = (variance / 3.0 / spread.max(f64::MIN_POSITIVE)).sqrt().min(std::f64::consts::PI);
+    let rotation_rad = libm::hypot(turn, tilt);
+    let translation_m = libm::hypot((variance / count).sqrt(), mean.norm() * rotation_rad);
     Uncertainty { translation_m, rotation_rad }
 }
 

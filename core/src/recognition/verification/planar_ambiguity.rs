@@ -52,7 +52,7 @@ fn mirrored(candidate_from_query: &Sim3, pairs: &[Correspondence], inliers: &[u3
     let sight = middle_in_candidate.try_normalize(1e-9)?;
     let normal = candidate_from_query.rotation() * axes.eigenvectors.column(order[0]).into_owned();
     let normal = if normal.dot(&sight) > 0.0 { normal } else { -normal };
-    let tilt_rad = normal.dot(&sight).min(1.0).acos();
+    let tilt_rad = libm::acos(normal.dot(&sight).min(1.0));
     if tilt_rad < MIN_TILT_RAD {
         return None;
     }

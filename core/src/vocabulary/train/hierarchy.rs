@@ -117,7 +117,7 @@ fn inverse_document_frequencies(vocabulary: &Vocabulary, set: &TrainingSet) -> V
         }
     }
     let images = f64::from(set.image_count() as u32);
-    let weigh = |&with: &u32| if with == 0 { 0.0 } else { (images / f64::from(with)).ln() };
+    let weigh = |&with: &u32| if with == 0 { 0.0 } else { libm::log(images / f64::from(with)) };
     images_with.iter().map(weigh).collect()
 }
 
