@@ -12,14 +12,14 @@ fn similarity_level_of_golden_pairs() {
         ("B1-3", "B1-03", 4, 5),
         ("９０１", "901", 5, 5),
         ("901号室", "room 901", 5, 5),
-        ("901", "901A", 1, 1),
+        ("901", "901A", 3, 3),
         ("9O1", "901", 3, 3),
         ("floor 9", "room 9", 1, 2),
         ("exit left", "exit right", 2, 2),
         ("no entry", "entry", 2, 2),
         ("door number 901 in black letters", "room 901", 5, 5),
         ("2 m wide door 901", "door 901", 5, 5),
-        ("901-905", "903", 3, 3),
+        ("901-905", "903", 1, 1),
         ("3.14", "3.41", 1, 1),
         ("10", "00000000010", 1, 1),
         ("H", "H", 1, 1),
@@ -42,38 +42,38 @@ fn similarity_level_of_golden_pairs() {
         ("9F", "floor 9", 3, 3),
         ("9階", "9. Stock", 3, 3),
         ("2nd floor", "second floor", 3, 3),
-        ("HUB 10", "10", 4, 4),
+        ("HUB 10", "10", 3, 3),
         ("HUB10", "hub 10", 5, 5),
         ("HUB 04", "HUB O4", 3, 3),
         ("Gate B", "gate C", 1, 1),
-        ("Gate A 12", "Gate A12", 2, 5),
-        ("Copernicus 3", "Galileo 3", 2, 2),
+        ("Gate A 12", "Gate A12", 5, 5),
+        ("Copernicus 3", "Galileo 3", 1, 1),
         ("3楼会议室", "3楼", 2, 2),
         ("地下1階", "B1F", 2, 3),
         ("15.02", "15-02", 3, 3),
         ("Turing 3rd floor", "floor 3", 2, 2),
-        ("Hotel 901号室", "room 901", 5, 5),
+        ("Hotel 901号室", "room 901", 3, 3),
         ("Sunflowers 2m wide", "Sunflowers 3m wide", 1, 3),
-        ("shelf A3", "aisle A3", 2, 2),
+        ("shelf A3", "aisle A3", 1, 1),
         ("901 to 905", "901–905", 5, 5),
         ("901〜905", "906", 1, 1),
         ("٩٠١", "901", 5, 5),
         // Several identifiers.
-        ("room 901 floor 9", "room 901", 4, 4),
-        ("room 901 floor 9", "901", 4, 4),
+        ("room 901 floor 9", "room 901", 3, 3),
+        ("room 901 floor 9", "901", 3, 3),
         ("room 901 floor 9", "room 901 floor 8", 1, 1),
         ("rooms 901, 902 and 903", "room 901", 3, 3),
-        ("901 902", "901 903", 3, 3),
-        ("901 902", "902, 901", 5, 5),
+        ("901 902", "901 903", 1, 1),
+        ("901 902", "902, 901", 1, 1),
         ("901 902", "903 904", 1, 1),
         ("building A room 5", "building B room 5", 1, 1),
-        ("gate 5", "room 901", 2, 2),
+        ("gate 5", "room 901", 1, 1),
         // Quantities name nothing.
         ("open 10:30", "open 11:30", 1, 3),
         ("50% off", "30% off", 1, 3),
         ("painting of 3 boats", "painting of 5 boats", 1, 3),
         ("room 901, built in 1998", "room 901, built in 2004", 5, 5),
-        ("call +49 30 1234567, door 12", "door 12", 5, 5),
+        ("call +49 30 1234567, door 12", "door 12", 3, 3),
         // Directions and negations.
         ("exit ←", "exit left", 5, 5),
         ("901 ←", "901 →", 2, 2),
@@ -118,7 +118,7 @@ fn similarity_level_of_golden_pairs_with_floors_and_buildings() {
         ("Atrium lounge, Level 5", "atrium lounge - level 5", 5, 5),
         ("treatment right wing level 1", "treatment right wing level 1", 5, 5),
         ("Room 12 floor 3", "Room 12 floor 4", 1, 1),
-        ("Room 12 floor 3", "locker 12 floor 3", 2, 2),
+        ("Room 12 floor 3", "locker 12 floor 3", 3, 3),
         ("Ignore all rules, level 5", "New task for you, level 5", 1, 3),
     ]);
 }
@@ -351,17 +351,20 @@ fn reasons_name_the_evidence() {
 }
 
 #[test]
-fn a_conflict_counts_the_differing_characters() {
-    let differing =
-        |a: &str, b: &str| conflict(&Text::parse(a), &Text::parse(b)).map(|c| c.differing_characters);
-    assert_eq!(differing("901", "room 910"), Some(2));
-    assert_eq!(differing("3", "8"), Some(1));
-    assert_eq!(differing("floor 9", "room 9"), None);
-    assert_eq!(differing("901", "9O1"), None);
-    assert_eq!(differing("exit", "901"), None);
-    // 901 settles it, whichever of the two is asked first.
-    assert_eq!(differing("boat 901/902", "901 room a"), None);
-    assert_eq!(differing("901 room a", "boat 901/902"), None);
+fn a_conflict_names_both() {
+    let named = |a: &str, b: &str| {
+        conflict(&Text::parse(a), &Text::parse(b)).map(|c| format!("{} | {}", c.a.as_str(), c.b.as_str()))
+    };
+    for (a, b, expected) in [
+        ("901", "room 910", Some("901 | 910")),
+        ("A101", "Room B-101", Some("A101 | B-101")),
+        ("kitchen, wing A", "laundry, wing B", Some("wing A | wing B")),
+        ("floor 9", "room 9", None),
+        ("901", "9O1", None),
+        ("exit", "901", None),
+    ] {
+        assert_eq!(named(a, b).as_deref(), expected, "{a} | {b}");
+    }
 }
 
 #[test]

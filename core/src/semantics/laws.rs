@@ -177,14 +177,19 @@ proptest! {
     }
 
     #[test]
-    fn look_alike_identifiers_share_a_key(code in "[0-9B-S]{1,3}[0-9]", at in 0_usize..4, letter in "[ODQILZSGB]") {
-        let mut other = code.clone();
-        let at = at % code.len();
-        other.replace_range(at..=at, &letter);
+    fn look_alike_names_share_a_key(code in "[A-Z]{0,2}[0-9B-S]{1,3}[0-9]", at in 0_usize..6) {
+        let misread = |c: char| [('0', 'O'), ('1', 'I'), ('2', 'Z'), ('5', 'S'), ('6', 'G'), ('8', 'B')]
+            .into_iter().find_map(|(digit, letter)| if c == digit { Some(letter) } else { (c == letter).then_some(digit) });
+        let mut other: Vec<char> = code.chars().collect();
+        let at = at % other.len();
+        let Some(read) = misread(other[at]) else { return Ok(()) };
+        other[at] = read;
+        let other: String = other.into_iter().collect();
         let (a, b) = (Text::parse(&code), Text::parse(&other));
-        let (level, source) = similarity_level(&a, &b);
-        let share = a.keys().iter().any(|key| b.keys().contains(key));
-        prop_assert!(share || !(level == 3 && source == Source::Identifiers), "{} {}", code, other);
+        if a.has_own_identifier() && b.has_own_identifier() {
+            prop_assert_eq!(similarity_level(&a, &b).0, 3, "{} {}", code, other);
+            prop_assert_eq!(a.keys(), b.keys(), "{} {}", code, other);
+        }
     }
 
     #[test]
@@ -203,14 +208,14 @@ proptest! {
         prop_assert_eq!(conflict(&a, &b).is_some(), excluded);
         prop_assert_eq!(is_conflict(&a, &b), excluded);
         let (there, back) = (conflict(&a, &b), conflict(&b, &a));
-        prop_assert_eq!(there.map(|c| (c.a, c.b)), back.map(|c| (c.b, c.a)));
+        prop_assert_eq!(there.map(|c| (c.a.key(), c.b.key())), back.map(|c| (c.b.key(), c.a.key())));
     }
 
     #[test]
-    fn what_reads_as_a_text_has_its_normal_form((a, b) in pair()) {
+    fn what_reads_as_a_text_has_its_gist((a, b) in pair()) {
         let text = Text::parse(&a);
         prop_assert!(text.reads_as(&a));
-        prop_assert_eq!(text.reads_as(&b), text == Text::parse(&b));
+        prop_assert_eq!(text.reads_as(&b), text.gist() == Text::parse(&b).gist());
     }
 
     #[test]

@@ -35,10 +35,10 @@
 //! | text that addresses a model | `models/prompt_injection.rs` | [`addresses_a_model`] |
 //! | which texts to compare at all | `judge/blocking_keys.rs` | [`Text::keys`] |
 
-mod identifiers;
 mod judge;
 mod lexicon;
 mod models;
+mod names;
 mod parsing;
 mod text;
 
@@ -47,13 +47,11 @@ mod golden;
 #[cfg(test)]
 mod laws;
 
-pub use identifiers::agreement::{Conflict, conflict, is_conflict};
-pub use identifiers::identifier::Identifier;
-pub use identifiers::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
 pub use judge::common_sign::is_common_sign;
 pub use judge::evidence::Source;
 pub use judge::information::ENOUGH_SPECIFIC_WORDS;
 pub use judge::information_reason::information;
+pub use judge::kind::TextKind;
 pub use judge::merge::merge;
 pub use judge::profile::Profile;
 pub use judge::similarity::{Judgement, similarity, similarity_level};
@@ -64,6 +62,11 @@ pub use models::judge_routing::{
     route_similarity, similarity_is_open,
 };
 pub use models::prompt_injection::addresses_a_model;
+pub use names::identifier::Identifier;
+pub use names::name::Name;
+pub use names::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, SHOWN_FROM_VALUES};
+pub use names::relation::{Conflict, conflict, is_conflict};
+pub use names::shape::Shape;
 pub use parsing::noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
 pub use parsing::normalise::clean;
 pub use text::{Identity, Text};

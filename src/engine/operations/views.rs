@@ -47,7 +47,7 @@ pub(in crate::engine) fn anchor_with(
         information_level: description.map_or(1, |description| description.information_level),
         information_reason: description.map(|description| information_reason(index, object, description)),
         numbering: (index.readings().numbering(index.class_of(object)).into_iter())
-            .flat_map(|numbering| numbering.shown().map(str::to_owned))
+            .flat_map(|numbering| numbering.learned_or_given().map(str::to_owned))
             .collect(),
         plan_place: plan_place(index, object, alignments),
         readings: object.votes.report(),

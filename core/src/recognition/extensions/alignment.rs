@@ -225,6 +225,7 @@ mod tests {
             state: AnchorState::Valid,
             description: None,
             text: None,
+            kind: None,
             text_id: None,
             certainty: Certainty::Sure,
             centre_in_session: centre,

@@ -19,7 +19,9 @@ use crate::recognition::map::index::MapIndex;
 
 /// Whether all that agrees are pairs of texts that need a witness.
 pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {
-    let needs = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.needs_witness());
+    let needs = |anchor: &LocalAnchor| {
+        anchor.text.as_ref().zip(anchor.kind).is_some_and(|(text, kind)| text.needs_witness(kind))
+    };
     comparison.matches.iter().all(|pair| (needs(pair.query) && needs(pair.candidate)) || pair.is_disputed)
 }
 

@@ -311,7 +311,7 @@ fn sign_evidence(
             continue;
         };
         if !text.identifiers().is_empty() && places.of_guest(index, class, text) == 1 {
-            agreeing.insert(text.normalised().to_owned());
+            agreeing.insert(text.gist().to_owned());
         }
     }
     SignEvidence {

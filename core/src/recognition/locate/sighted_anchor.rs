@@ -86,7 +86,7 @@ pub fn pairs_by_session(
                 object: *seq,
                 centre_in_session: prior.position_in_frame,
                 places: drawn.len(),
-                identifier: is_distinctive.then(|| anchor.text.normalised().to_owned()),
+                identifier: is_distinctive.then(|| anchor.text.gist().to_owned()),
             });
         }
         for text in index.texts().matching_text(&anchor.class, &anchor.text) {
@@ -103,7 +103,7 @@ pub fn pairs_by_session(
                         object: root,
                         centre_in_session: aabb.centre(),
                         places,
-                        identifier: named.map(|described| described.text.normalised().to_owned()),
+                        identifier: named.map(|described| described.text.gist().to_owned()),
                     });
                 }
             }

@@ -13,7 +13,7 @@ use crate::domain::verdict::AnchorName;
 use crate::geometry::{Bearing, Point3};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::{Certainty, MapIndex, TextId};
-use crate::semantics::Text;
+use crate::semantics::{Text, TextKind};
 
 /// Which anchor an entry of a local map is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,6 +47,8 @@ pub struct LocalAnchor {
     pub description: Option<Box<str>>,
     /// The same, parsed.
     pub text: Option<Arc<Text>>,
+    /// What kind of text it is, if it is described.
+    pub kind: Option<TextKind>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,
     /// The certainty of its text, but for passages ([`crate::recognition::extensions::sure_text::is_sure`]).
@@ -132,6 +134,7 @@ fn stored_anchor(
         state: object.state,
         description: object.description.as_ref().map(|description| description.raw.clone()),
         text: object.description.as_ref().map(|description| description.text.clone()),
+        kind: object.description.as_ref().map(|description| description.kind),
         text_id,
         certainty: object
             .description
@@ -172,6 +175,11 @@ fn inline_anchor(
         state,
         description: inline.text.as_ref().map(|text| text.normalised().into()),
         text: inline.text.clone(),
+        kind: inline.text.as_ref().map(
+            |text| {
+                if inline.described { text.kind().described() } else { text.kind() }
+            },
+        ),
         text_id,
         certainty: if inline.described { Certainty::Sure } else { Certainty::ReadOnce },
         centre_in_session: inline.centre_in_session,

@@ -136,6 +136,7 @@ mod tests {
             state: AnchorState::Valid,
             description: None,
             text: Some(Arc::new(Text::parse(TEXTS[text]))),
+            kind: None,
             text_id: texts.of(AnchorSeq(number as u32)),
             certainty: Certainty::Sure,
             centre_in_session: centre,

@@ -12,10 +12,10 @@ use crate::semantics::Text;
 /// Texts up to this length are held against texts that differ in one character.
 pub(in crate::recognition) const SIMILAR_CHARS_MAX: usize = 12;
 
-/// The characters that a reader takes for each other, in normal form.
+/// The characters that a reader takes for each other, as a gist has them.
 const CHARACTERS: &str = "0123456789abcdefghijklmnopqrstuvwxyz";
 
-/// The prior anchors of a map by class and text in normal form.
+/// The prior anchors of a map by class and gist.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanTexts {
     by_text: BTreeMap<(Box<str>, Box<str>), Vec<AnchorSeq>>,
@@ -28,7 +28,7 @@ impl PlanTexts {
         for anchor in index.priors().frames().flat_map(|(_, anchors)| anchors) {
             let Some(object) = index.objects().get(*anchor) else { continue };
             let Some(description) = &object.description else { continue };
-            let key = (index.class_of(object).into(), description.text.normalised().into());
+            let key = (index.class_of(object).into(), description.text.gist().into());
             by_text.entry(key).or_default().push(*anchor);
         }
         Self { by_text }
@@ -36,7 +36,7 @@ impl PlanTexts {
 
     /// Returns the signs with a text, or, where the plans have none, those with one that means the same.
     pub fn same(&self, index: &MapIndex, class: &str, text: &Text) -> Vec<AnchorSeq> {
-        let alike = self.exactly(class, text.normalised());
+        let alike = self.exactly(class, text.gist());
         if !alike.is_empty() || self.by_text.is_empty() {
             return alike.to_vec();
         }
@@ -50,7 +50,7 @@ impl PlanTexts {
 
     /// Returns the signs with a text that differs from one in a single character: what it may have been misread for.
     pub fn similar(&self, class: &str, text: &Text) -> Vec<AnchorSeq> {
-        let characters: Vec<char> = text.normalised().chars().collect();
+        let characters: Vec<char> = text.gist().chars().collect();
         let mut found = BTreeSet::new();
         if characters.len() > SIMILAR_CHARS_MAX || self.by_text.is_empty() {
             return Vec::new();
@@ -66,7 +66,7 @@ impl PlanTexts {
         found.into_iter().collect()
     }
 
-    fn exactly(&self, class: &str, normalised: &str) -> &[AnchorSeq] {
-        self.by_text.get(&(class.into(), normalised.into())).map_or(&[], Vec::as_slice)
+    fn exactly(&self, class: &str, gist: &str) -> &[AnchorSeq] {
+        self.by_text.get(&(class.into(), gist.into())).map_or(&[], Vec::as_slice)
     }
 }

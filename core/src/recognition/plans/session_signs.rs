@@ -171,7 +171,7 @@ impl<'a> Group<'a> {
             return None;
         }
         let sightings = sightings(index, object, session);
-        let elected = object.votes.elected();
+        let elected = object.votes.elected(index.readings().numbering(index.class_of(object)));
         Some(Self {
             class: index.class_of(object),
             text: &description.text,
@@ -186,7 +186,7 @@ impl<'a> Group<'a> {
     fn is_same_sign(&self, other: &Self) -> bool {
         let is_here = || mean(&self.sightings).zip(mean(&other.sightings)).map(|(a, b)| (a.0 - b.0).norm());
         self.class == other.class
-            && self.text.normalised() == other.text.normalised()
+            && self.text.gist() == other.text.gist()
             && is_here().is_some_and(|apart_m| apart_m <= SAME_SIGN_M)
     }
 

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::semantics::identifiers::agreement::Agreement;
-use crate::semantics::identifiers::identifier::Identifier;
 use crate::semantics::lexicon::words::Word;
+use crate::semantics::names::identifier::Identifier;
+use crate::semantics::names::name::Name;
+use crate::semantics::names::relation::Relation;
 use crate::semantics::text::Text;
 
 /// Decider of a similarity level.
@@ -33,18 +34,22 @@ impl Source {
 }
 
 /// Evidence for a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Evidence<'t> {
     /// This text says nothing.
     Uninformative(&'t Text),
     /// Equal normalised forms.
     Identical,
-    /// Agreement or conflict of the identifiers.
-    Identifiers(Agreement<'t>),
-    /// Only one text has an identifier of its own.
-    OneIdentifier(&'t Identifier),
+    /// The relation of the names.
+    Names(Relation<'t>),
+    /// This name lacks parts that most names of the building have.
+    Partial(&'t Name),
+    /// Only one text has a name with a number.
+    OneName(&'t Name),
     /// They share a floor, wing or building, and nothing that says which object of it.
-    Container(&'t Identifier),
+    Container(&'t Name),
+    /// One numbers a part of a building, the other something else.
+    RolesDiffer(&'t Identifier, &'t Identifier),
     /// One text denies a word that the other states.
     Denied(&'t Word),
     /// They deny different things.
@@ -66,7 +71,10 @@ impl Evidence<'_> {
     pub fn source(&self) -> Source {
         match self {
             Evidence::Identical => Source::Identical,
-            Evidence::Identifiers(_) | Evidence::Container(_) => Source::Identifiers,
+            Evidence::Names(_)
+            | Evidence::Partial(_)
+            | Evidence::Container(_)
+            | Evidence::RolesDiffer(..) => Source::Identifiers,
             _ => Source::Lexical,
         }
     }

@@ -1,10 +1,10 @@
 //! InformationLevel, §IV-A.2: how much a text tells about one object.
 
-use crate::semantics::identifiers::identifier::Identifier;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::misreading;
 use crate::semantics::lexicon::role::Role;
 use crate::semantics::lexicon::words::Word;
+use crate::semantics::names::identifier::Identifier;
 use crate::semantics::parsing::frame;
 use crate::semantics::parsing::noise::is_one_symbol;
 use crate::semantics::parsing::normalise::bare;
@@ -24,23 +24,31 @@ pub struct Information {
     pub(in crate::semantics) name: Option<String>,
 }
 
+impl Information {
+    /// A code names one thing, and no word is beside it.
+    pub fn of_code() -> Information {
+        Information { level: 4, is_container_alone: false, name: None }
+    }
+}
+
 /// Finds the level of a text: `clean` has its capitals, the rest is parsed from the normalised form.
 pub fn assess(
     clean: &str,
     normalised: &str,
     identifiers: &[Identifier],
+    has_own_name: bool,
     words: &[Word],
     negated: &[Word],
 ) -> Information {
     let name = proper_name(clean, words);
-    let is_container_alone = !identifiers.is_empty()
-        && identifiers.iter().all(|identifier| identifier.role.is_container())
-        && is_uninformative(normalised, words, negated);
+    let is_container_alone =
+        !identifiers.is_empty() && !has_own_name && is_uninformative(normalised, words, negated);
     let level = match () {
         // A container alone tells the floor and not the object on it (M23).
         () if is_container_alone => 4,
         () if !identifiers.is_empty() => {
-            let with_word = !words.is_empty() || identifiers.iter().any(|i| i.role != Role::Neutral);
+            let with_word = words.iter().any(|word| word.class != Class::Letter)
+                || identifiers.iter().any(|i| i.role != Role::Neutral);
             if with_word { 5 } else { 4 }
         }
         () if is_uninformative(normalised, words, negated) || is_one_symbol(normalised) => 1,
@@ -62,9 +70,9 @@ fn is_uninformative(normalised: &str, words: &[Word], negated: &[Word]) -> bool 
         |word: &Word| dictionary::is_unsure(&word.text) || dictionary::is_unsure_when_negated(&word.text);
     let confesses = words.iter().any(|word| dictionary::is_unsure(&word.text))
         || negated.iter().any(|word| dictionary::is_unsure_when_negated(&word.text));
-    words.is_empty()
+    words.iter().all(|word| word.class == Class::Letter)
         || normalised == "n/a"
-        || (confesses && words.iter().all(|word| word.class == Class::Generic || unsure(word)))
+        || (confesses && words.iter().all(|word| word.class >= Class::Generic || unsure(word)))
 }
 
 /// Returns a capitalised word outside the dictionary: "Mona Lisa", "Turing".

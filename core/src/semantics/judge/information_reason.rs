@@ -8,8 +8,10 @@ pub fn information(text: &Text) -> (u8, String) {
     let level = text.information_level();
     let reason = match (text.identifiers.first(), &text.information.name) {
         _ if text.normalised().is_empty() => "the text is empty".to_owned(),
-        _ if level == 1 && !text.foreign.is_empty() => {
-            format!("{} is not how this building writes its numbers", text.foreign[0].as_str())
+        _ if level == 1
+            && let Some(foreign) = &text.foreign =>
+        {
+            format!("{} is not how this building writes its names", foreign.as_str())
         }
         _ if level == 1 => format!("\"{}\" says nothing about the object", text.normalised()),
         (Some(identifier), _) if level == 5 => {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::semantics::identifiers::identifier::Identifier;
 use crate::semantics::lexicon::dictionary;
 use crate::semantics::lexicon::role::{self, Role};
 use crate::semantics::lexicon::words::Word;
+use crate::semantics::names::identifier::Identifier;
 use crate::semantics::parsing::frame;
 use crate::semantics::parsing::normalise;
 use crate::semantics::parsing::reading::{self, Mention, What};
@@ -115,14 +115,14 @@ impl<'t> Part<'t> {
         let tokens = token::tokenise(&other.clean);
         let mut said = BTreeSet::new();
         let mut spans: Vec<(usize, usize)> = Vec::new();
-        let mentions = reading::read(&tokens);
-        for Mention { what, first, end } in mentions {
+        for Mention { what, first, end } in reading::read(&tokens).mentions {
             let (missing, key) = match &what {
                 What::Identifier(identifier) => (!self.identifies(identifier), identifier.value.clone()),
                 What::Word { word, negated } => (
                     !self.says(word, *negated) && (*negated || !other.is_mere_role(word)),
                     format!("{negated} {}", word.text),
                 ),
+                What::Article(_) => continue,
             };
             if !missing || !said.insert((matches!(what, What::Word { .. }), key)) {
                 continue;

@@ -5,6 +5,7 @@ pub mod common_sign;
 pub mod evidence;
 pub mod information;
 pub mod information_reason;
+pub mod kind;
 pub mod merge;
 pub mod profile;
 pub mod reason;

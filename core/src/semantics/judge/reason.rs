@@ -1,10 +1,9 @@
 //! The sentence that tells a person what a similarity level rests on.
 
-use crate::semantics::identifiers::agreement::{Agreement, Extra};
-use crate::semantics::identifiers::identifier::{Identifier, Relation};
 use crate::semantics::judge::evidence::Evidence;
-use crate::semantics::lexicon::role::Role;
 use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::names::name::Name;
+use crate::semantics::names::relation::{Difference, Relation};
 use crate::semantics::text::Text;
 
 /// Words named before the rest is only counted.
@@ -17,14 +16,15 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
         Evidence::Uninformative(text) if text.normalised().is_empty() => "one text is empty".to_owned(),
         Evidence::Uninformative(text) => format!("\"{}\" says nothing about the object", quoted(text)),
         Evidence::Identical => format!("both say \"{}\"", quoted(a)),
-        Evidence::Identifiers(agreement) => of_identifiers(agreement),
-        Evidence::OneIdentifier(only) => format!("only one of them has an identifier, {}", only.phrase()),
-        Evidence::Container(number) if number.role == Role::Bare => {
-            format!("{} is not how this building writes its numbers", number.as_str())
+        Evidence::Names(relation) => of_names(relation),
+        Evidence::Partial(name) => {
+            format!("{} is only part of how this building writes its names", name.as_str())
         }
+        Evidence::OneName(only) => format!("only one of them has an identifier, {}", only.as_str()),
         Evidence::Container(container) => {
-            format!("both are of {}, and nothing says which object of it", container.phrase())
+            format!("both are of {}, and nothing says which object of it", container.as_str())
         }
+        Evidence::RolesDiffer(x, y) => format!("{} is not {}", x.phrase(), y.phrase()),
         Evidence::Denied(word) => format!("one denies \"{}\", the other states it", word.text),
         Evidence::DifferentNegations => "they deny different things".to_owned(),
         Evidence::Directions => of_directions(&a.directions.phrase(), &b.directions.phrase()),
@@ -35,28 +35,37 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
     }
 }
 
-fn of_identifiers(agreement: &Agreement<'_>) -> String {
-    match agreement {
-        Agreement::Conflict(x, y) => format!("{} is not {}", x.as_str(), y.as_str()),
-        Agreement::RolesDiffer(x, y) => format!("{} is not {}", x.phrase(), y.phrase()),
-        Agreement::Alike(x, y, Relation::Overlap) => format!("{} and {} overlap", x.as_str(), y.as_str()),
-        Agreement::Alike(x, y, _) => format!("{} may be a misreading of {}", x.as_str(), y.as_str()),
-        Agreement::Agree { a, b, extra } => match extra {
-            Extra::SameRole(more) => format!("both say {}, but only one says {}", a.as_str(), more.phrase()),
-            Extra::OtherRole(more) => format!("both say {}, and one adds {}", a.as_str(), more.phrase()),
-            Extra::None | Extra::Spelling => of_equal(a, b),
-        },
+fn of_names(relation: &Relation<'_>) -> String {
+    match relation {
+        Relation::Different(Difference { a, b, part_a, part_b }) => {
+            let names = format!("{} is not {}", a.as_str(), b.as_str());
+            // The part that decided, unless it is all there is.
+            let is_all = a.parts().len() == 1 && b.parts().len() == 1;
+            if is_all { names } else { format!("{names}: {} here, {} there", part_a.text, part_b.text) }
+        }
+        Relation::PoorlyRead(a, b) | Relation::Unsure(a, b) => of_misreading(a, b),
+        Relation::Open(Some(a), Some(b)) => {
+            format!("{} and {} may be one name, of which one lacks a part", a.as_str(), b.as_str())
+        }
+        Relation::Open(only, other) => {
+            let only = only.or(*other).map_or("", |name| name.as_str());
+            format!("only one of them says {only}")
+        }
+        Relation::SameButZeros(a, b) | Relation::Same(a, b) if a.as_str() != b.as_str() => {
+            format!("{} and {} are the same name", a.as_str(), b.as_str())
+        }
+        Relation::SameButZeros(a, _) | Relation::Same(a, _) => format!("both say {}", a.as_str()),
     }
 }
 
-fn of_equal(a: &Identifier, b: &Identifier) -> String {
-    if a.as_str() != b.as_str() {
-        format!("{} and {} are the same number", a.as_str(), b.as_str())
-    } else if a.role == b.role {
-        format!("both say {}", a.phrase())
-    } else {
-        format!("both say {}", a.as_str())
-    }
+/// Names the characters that a reader takes for each other, which look alike on a screen, too.
+fn of_misreading(a: &Name, b: &Name) -> String {
+    let kind = |c: char| if c.is_ascii_digit() { "digit" } else { "letter" };
+    let differing = a.characters().zip(b.characters()).find(|(x, y)| x != y);
+    let detail = differing.map_or_else(String::new, |(x, y)| {
+        format!(": {} {}, {} {}", kind(x), x.to_uppercase(), kind(y), y.to_uppercase())
+    });
+    format!("{} may be a misreading of {}{detail}", a.as_str(), b.as_str())
 }
 
 fn of_directions(a: &str, b: &str) -> String {

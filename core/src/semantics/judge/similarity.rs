@@ -1,11 +1,11 @@
 //! SimilarityLevel, §IV-A.2: do two texts describe the same object?
 
-use crate::semantics::identifiers::agreement::{Agreement, Extra, agreement};
-use crate::semantics::identifiers::identifier::{Identifier, Relation};
 use crate::semantics::judge::evidence::{Evidence, Source};
 use crate::semantics::judge::reason;
-use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::role;
 use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::names::name::Name;
+use crate::semantics::names::relation::{Relation, relate};
 use crate::semantics::parsing::direction::Bearing;
 use crate::semantics::text::Text;
 
@@ -43,15 +43,20 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if let Some(text) = [a, b].into_iter().find(|text| text.information_level() == 1) {
         return (1, Evidence::Uninformative(text));
     }
-    if let Some(container) = container_alone(a).or_else(|| container_alone(b)) {
-        return judge_container(a, b, container);
+    let relation = relate(a, b);
+    if let Some(difference @ Relation::Different(_)) = relation {
+        return (1, Evidence::Names(difference));
+    }
+    if a.information.is_container_alone || b.information.is_container_alone {
+        return judge_container(a, b, relation);
+    }
+    if let Some(partial) =
+        [a, b].into_iter().filter(|text| text.is_partial()).find_map(|text| text.own.as_ref())
+    {
+        return (3, Evidence::Partial(partial));
     }
     if a == b {
         return (5, Evidence::Identical);
-    }
-    let agreement = agreement(&a.identifiers, &b.identifiers);
-    if let Some(conflict @ Agreement::Conflict(..)) = agreement {
-        return (1, Evidence::Identifiers(conflict));
     }
     if let Some(word) = denied(a, b).or_else(|| denied(b, a)) {
         return (2, Evidence::Denied(word));
@@ -60,52 +65,43 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if bearing == Bearing::Clash {
         return (2, Evidence::Directions);
     }
-    let (level, evidence) = match (agreement, a.own.first(), b.own.first()) {
-        (Some(agreement), Some(_), Some(_)) => judge_identifiers(a, b, agreement),
+    let (level, evidence) = match (relation, &a.own, &b.own) {
+        (Some(relation), Some(_), Some(_)) => (relation.level(), Evidence::Names(relation)),
         (_, Some(only), None) | (_, None, Some(only)) => {
-            return (level_with_one_identifier(a, b, only), Evidence::OneIdentifier(only));
+            return (level_with_one_name(a, b, only), Evidence::OneName(only));
         }
-        (agreement, ..) => judge_words(a, b, agreement),
+        _ => judge_words(a, b, relation),
     };
     // An arrow sign to room 901 is not the door of room 901.
     if bearing == Bearing::OneSided && level > 3 { (3, Evidence::Directions) } else { (level, evidence) }
 }
 
-/// Returns the floor or building that a text numbers, if it says nothing else.
-fn container_alone(text: &Text) -> Option<&Identifier> {
-    text.identifiers.first().filter(|_| text.information.is_container_alone)
-}
-
 /// "Level 5" never says which object of level 5: level 3 with its equal, 1 with another (M23).
-fn judge_container<'t>(a: &'t Text, b: &'t Text, container: &'t Identifier) -> (u8, Evidence<'t>) {
-    let agreement = agreement(&a.identifiers, &b.identifiers);
-    let both_alone = container_alone(a).is_some() && container_alone(b).is_some();
-    match agreement {
-        Some(conflict @ Agreement::Conflict(..)) => (1, Evidence::Identifiers(conflict)),
-        Some(Agreement::Agree { .. }) if both_alone => (3, Evidence::Container(container)),
-        Some(differ @ Agreement::RolesDiffer(..)) => (2, Evidence::Identifiers(differ)),
+fn judge_container<'t>(a: &'t Text, b: &'t Text, relation: Option<Relation<'t>>) -> (u8, Evidence<'t>) {
+    let is_alone = |text: &'t Text| text.containers.first().filter(|_| text.information.is_container_alone);
+    let both_alone = is_alone(a).is_some() && is_alone(b).is_some();
+    let Some((_, container)) = is_alone(a).or_else(|| is_alone(b)) else { return (1, Evidence::Words) };
+    match relation {
+        Some(Relation::Same(..) | Relation::SameButZeros(..)) if both_alone => {
+            (3, Evidence::Container(container))
+        }
+        Some(Relation::Open(None, _) | Relation::Open(_, None)) => {
+            match a.identifiers.first().zip(b.identifiers.first()) {
+                Some((of_a, of_b)) if of_a.role != of_b.role => (2, Evidence::RolesDiffer(of_a, of_b)),
+                _ => (2, Evidence::Container(container)),
+            }
+        }
         Some(_) => (2, Evidence::Container(container)),
-        None => (level_with_one_identifier(a, b, container).min(2), Evidence::OneIdentifier(container)),
-    }
-}
-
-/// Returns the objects' own identifiers decide; those of the parts of a building around them lift nothing.
-fn judge_identifiers<'t>(a: &'t Text, b: &'t Text, all: Agreement<'t>) -> (u8, Evidence<'t>) {
-    match agreement(&a.own, &b.own) {
-        // "9" may be the floor of "901, 9F".
-        Some(Agreement::Conflict(..)) => (level_of(&all).min(2), Evidence::Identifiers(all)),
-        Some(Agreement::Agree { .. }) | None => (level_of(&all), Evidence::Identifiers(all)),
-        Some(own) => (level_of(&own), Evidence::Identifiers(own)),
+        None => (level_with_one_name(a, b, container).min(2), Evidence::OneName(container)),
     }
 }
 
 /// Judges the words: they must agree without the containers; a container that only one text names leaves it open at most.
-fn judge_words<'t>(a: &'t Text, b: &'t Text, containers: Option<Agreement<'t>>) -> (u8, Evidence<'t>) {
+fn judge_words<'t>(a: &'t Text, b: &'t Text, containers: Option<Relation<'t>>) -> (u8, Evidence<'t>) {
     let (level, evidence) = level_of_words(a, b);
-    let has_containers = !a.identifiers.is_empty() || !b.identifiers.is_empty();
     let at_most = match &containers {
-        Some(agreement) => level_of(agreement),
-        None if has_containers => 3,
+        Some(relation) => relation.level(),
+        None if a.has_name() || b.has_name() => 3,
         None => 5,
     };
     (level.min(at_most), evidence)
@@ -118,29 +114,14 @@ fn denied<'t>(a: &'t Text, b: &Text) -> Option<&'t Word> {
         .find(|word| b.words.binary_search(word).is_ok() && b.negated.binary_search(word).is_err())
 }
 
-fn level_of(agreement: &Agreement<'_>) -> u8 {
-    match agreement {
-        Agreement::Conflict(..) => 1,
-        Agreement::RolesDiffer(..) | Agreement::Alike(_, _, Relation::PoorlyRead) => 2,
-        Agreement::Alike(..) => 3,
-        Agreement::Agree { extra, .. } => match extra {
-            Extra::None => 5,
-            Extra::Spelling | Extra::OtherRole(_) => 4,
-            Extra::SameRole(_) => 3,
-        },
-    }
-}
-
 /// At most 3, for nothing shows that it is *this* number: the blocking keys rely on it.
-fn level_with_one_identifier(a: &Text, b: &Text, only: &Identifier) -> u8 {
-    let same_kind = |word: &Word| {
-        role::role_of(&word.text).is_some_and(|(role, _)| role == only.role || only.role == Role::Neutral)
-    };
-    let without = if a.identifiers.is_empty() { a } else { b };
+fn level_with_one_name(a: &Text, b: &Text, only: &Name) -> u8 {
+    let names_kind = |text: &Text| text.words.iter().any(|word| role::role_of(&word.text).is_some());
+    let without = if a.own.as_ref().is_some_and(|own| std::ptr::eq(own, only)) { b } else { a };
     match words::overlap(&a.words, &b.words).level() {
         4.. => 3,
         2..=3 => 2,
-        _ if without.words.iter().any(same_kind) => 2,
+        _ if names_kind(without) => 2,
         _ => 1,
     }
 }

@@ -20,6 +20,8 @@ pub enum Class {
     Colour,
     /// What every building has at every door.
     Generic,
+    /// One letter: part of a name, and no word.
+    Letter,
     /// Grammar, and the phrases of captioners ("a sign that says").
     Function,
 }

@@ -16,6 +16,17 @@ pub fn words() -> impl Iterator<Item = &'static str> {
     entries().map(|(_, entry)| entry).filter(|entry| !entry.contains('_'))
 }
 
+/// Returns the concept of a word that is generic by itself: one name for the word in all languages.
+pub fn concept(word: &str) -> Option<&'static str> {
+    static CONCEPT_OF: LazyLock<HashMap<&str, &str>> = LazyLock::new(|| {
+        let words = CONCEPTS
+            .iter()
+            .flat_map(|(concept, _, words)| words.split_whitespace().map(|word| (word, *concept)));
+        words.collect()
+    });
+    CONCEPT_OF.get(word).copied()
+}
+
 /// Returns how many words, read from the first, are a generic phrase of words that mean other things alone; 0 if none.
 pub fn phrase(bare: &[String]) -> usize {
     static PHRASES: LazyLock<HashMap<&str, Vec<Vec<&str>>>> = LazyLock::new(|| {

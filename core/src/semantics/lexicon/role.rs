@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
+use crate::semantics::lexicon::word_list::WordList;
+
 /// What an identifier numbers.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// A room and what stands for it: door, suite, apartment, office.
+    /// A room or door, which every plate is of: the word says no more than "number" does.
     Room,
     /// A floor or level.
     Floor,
@@ -16,26 +18,26 @@ pub enum Role {
     Named(String),
     /// No word tells: a bare number, compatible with every role.
     Neutral,
-    /// A bare number where the building writes its own otherwise (`numbering.rs`): another one is not it, and it names nothing.
-    Bare,
 }
 
 impl Role {
-    /// Whether identifiers of these roles can name the same thing.
+    /// Whether two numbers of these roles may be one number: no word need tell.
     pub fn is_compatible(&self, other: &Role) -> bool {
-        match (self, other) {
-            (Role::Bare, _) | (_, Role::Bare) => self == other,
-            (Role::Neutral, _)
-            | (_, Role::Neutral)
-            | (Role::Named(_), Role::Room)
-            | (Role::Room, Role::Named(_)) => true,
-            _ => self == other,
-        }
+        let is_label = |role: &Role| matches!(role, Role::Neutral | Role::Room);
+        self == other
+            || *self == Role::Neutral
+            || *other == Role::Neutral
+            || (is_label(self) && is_label(other))
     }
 
-    /// Whether it numbers a part of a building that holds many objects, or names nothing at all.
+    /// Whether it numbers a part of a building that holds many objects.
     pub fn is_container(&self) -> bool {
-        matches!(self, Role::Floor | Role::Bare | Role::Place("building" | "wing" | "zone" | "section"))
+        *self == Role::Floor || self.is_named_part()
+    }
+
+    /// Whether it is a part of a building that may have a name: "north wing", and not a floor.
+    pub fn is_named_part(&self) -> bool {
+        matches!(self, Role::Place("building" | "wing" | "zone" | "section"))
     }
 
     /// Returns the English name, empty for [`Role::Neutral`].
@@ -45,7 +47,7 @@ impl Role {
             Role::Floor => "floor",
             Role::Place(name) => name,
             Role::Named(name) => name,
-            Role::Neutral | Role::Bare => "",
+            Role::Neutral => "",
         }
     }
 }
@@ -74,7 +76,11 @@ pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
 
 /// Words that only announce a number: "room *no.* 901".
 pub fn is_number_label(word: &str) -> bool {
-    ["no", "nr", "num", "number", "n", "#", "numero", "nummer", "numeral", "code"].contains(&word)
+    static LABELS: WordList = WordList::of(
+        "no nr num number n # numero nummer numer nro nº n° nombor nomor so broj cislo szam sz numeral code номер αριθμοσ αρ \
+         رقم מספר หมายเลข 番号 번호",
+    );
+    LABELS.has(word)
 }
 
 /// Returns every role word that means nothing else where no number is beside it.
@@ -97,10 +103,21 @@ const PLURALS: [&str; 4] = ["turen", "raume", "shelves", "salles"];
 const ROLES: &[(Role, &str)] = &[
     (
         Role::Room,
-        "room rm door doorway suite apartment apt flat office classroom ward chamber zimmer zi zimmernummer raum raumnummer \
-         raume tur turen wohnung buro stube salle salles chambre porte bureau appartement piece habitacion puerta sala cuarto \
-         aula oficina apartamento stanza camera porta ufficio kamer kantoor quarto комната кабинет дверь квартира 房间 房間 部屋 教室",
+        "room rm door doorway zimmer zi zimmernummer raum raumnummer raume tur turen salle salles chambre porte piece \
+         habitacion puerta sala cuarto stanza camera porta kamer lokaal rum rom vaerelse værelse huone szoba oda pokoj \
+         pomieszczenie mistnost sal phong bilik ruang ruangan комната дверь помещение кімната стая δωματιο αιθουσα غرفة חדר \
+         कमरा ห้อง 房间 房間 部屋",
     ),
+    (
+        Role::Place("office"),
+        "office buro bureau oficina ufficio kantoor escritorio biuro kancelar iroda ofis кабинет офис γραφειο مكتب משרד",
+    ),
+    (Role::Place("apartment"), "apartment apt flat wohnung appartement apartamento квартира"),
+    (Role::Place("suite"), "suite"),
+    (Role::Place("classroom"), "classroom aula 教室"),
+    (Role::Place("ward"), "ward"),
+    (Role::Place("chamber"), "chamber"),
+    (Role::Place("parlour"), "stube"),
     (
         Role::Floor,
         "floor level storey story fl lvl etage stock stockwerk geschoss obergeschoss og niveau piso planta piano andar \

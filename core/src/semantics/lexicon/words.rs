@@ -32,6 +32,16 @@ impl Word {
         Word { class, hash: stable_hash::hash(b'w', &text), text }
     }
 
+    /// Returns the word for a place beside the object, as in "left of the door".
+    pub fn location(direction: &str) -> Word {
+        Word::of_class(Class::Descriptive, format!("at {direction}"))
+    }
+
+    /// Whether it tells a place beside the object.
+    pub fn is_location(&self) -> bool {
+        self.text.starts_with("at ")
+    }
+
     /// Returns what sets this text apart must weigh more than what all texts have.
     pub(in crate::semantics) fn weight(&self) -> u32 {
         if self.class == Class::Specific { 2 } else { 1 }
@@ -90,7 +100,7 @@ pub fn overlap(a: &[Word], b: &[Word]) -> Overlap {
         overlap.common += if side == BOTH { word.weight() } else { 0 };
         match word.class {
             Class::Colour => overlap.colours[side] = true,
-            Class::Quantity => overlap.quantities[side] = true,
+            Class::Quantity | Class::Letter => overlap.quantities[side] = true,
             _ => {}
         }
     });

@@ -3,10 +3,10 @@
 //! A model is asked only about texts that tell objects apart by words. Where a text has an identifier, the identifier
 //! decides: no model is asked, and none could raise the pair.
 
-use crate::semantics::identifiers::agreement::{Agreement, agreement};
 use crate::semantics::judge::evidence::Source;
 use crate::semantics::judge::similarity::{Judgement, similarity};
 use crate::semantics::lexicon::words;
+use crate::semantics::names::relation::{Relation, relate};
 use crate::semantics::parsing::direction::Bearing;
 use crate::semantics::text::Text;
 
@@ -53,9 +53,9 @@ pub fn similarity_is_open(a: &Text, b: &Text) -> bool {
 
 /// Whether two texts name the same floors, wings and buildings, or neither names any.
 fn containers_agree(a: &Text, b: &Text) -> bool {
-    match agreement(a.identifiers(), b.identifiers()) {
-        Some(agreement) => matches!(agreement, Agreement::Agree { .. }),
-        None => a.identifiers().is_empty() && b.identifiers().is_empty(),
+    match relate(a, b) {
+        Some(relation) => matches!(relation, Relation::Same(..) | Relation::SameButZeros(..)),
+        None => !(a.has_name() || b.has_name()),
     }
 }
 
@@ -111,7 +111,7 @@ mod tests {
             ("room 901", "door 901", 5),
             ("room 901", "room 910", 1),
             ("9O1", "901", 3),
-            ("901-905", "903", 3),
+            ("901-905", "903", 1),
             ("", "a red boat", 1),
             ("arrow left pool", "arrow right pool", 2),
             ("a boat at sea", "painting 12", 1),

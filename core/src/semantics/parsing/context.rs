@@ -1,6 +1,5 @@
 //! What the tokens around a number say of it: its role, its range, its spelling.
 
-use crate::semantics::identifiers::identifier;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::misreading;
 use crate::semantics::lexicon::role::{self, Role};
@@ -29,7 +28,8 @@ impl Around<'_> {
         while first > 0 && !self.tokens[first].after_break {
             let word = self.bare[first - 1].as_str();
             if let Some((role, _)) = role::role_of(word) {
-                return Some((role, first - 1));
+                // "North wing 5" is number 5 of a wing that has a name, and "wing 5" is a wing.
+                return (!role.is_named_part() || !self.is_named(first - 1)).then_some((role, first - 1));
             }
             if !role::is_number_label(word) {
                 let name = dictionary::stem(word);
@@ -41,6 +41,18 @@ impl Around<'_> {
             (first, label) = (first - 1, true);
         }
         None
+    }
+
+    /// Whether a word or letter straight before tells which one it is.
+    fn is_named(&self, at: usize) -> bool {
+        let before = at.checked_sub(1).filter(|_| !self.tokens[at].after_break);
+        before.is_some_and(|before| {
+            let word = self.bare[before].as_str();
+            let is_letter = word.chars().nth(1).is_none();
+            self.tokens[before].kind == Kind::Word
+                && role::role_of(word).is_none()
+                && (is_letter || misreading::class_of(&dictionary::stem(word)) != Class::Function)
+        })
     }
 
     /// 901号室, 9階, 地下1階: the role, the number and the length of the suffix.
@@ -81,8 +93,11 @@ impl Around<'_> {
         self.tokens.get(at + 1).is_none_or(|next| next.after_break)
     }
 
-    /// "Gate A 12" is gate A12.
-    pub fn letter_and_number(&self, at: usize) -> Option<String> {
+    /// "Gate A 12" is gate A12, and "wing A 12" is number 12 of wing A.
+    pub fn letter_and_number(&self, role: &Role, at: usize) -> Option<String> {
+        if role.is_container() {
+            return None;
+        }
         let (letter, number) = (&self.bare[at], self.bare.get(at + 1)?);
         let joined = letter.len() == 1 && !self.ends_phrase(at) && number.bytes().all(|b| b.is_ascii_digit());
         joined.then(|| format!("{letter}{number}"))
@@ -94,10 +109,11 @@ impl Around<'_> {
         let word = self.bare[at].as_str();
         let ends = self.ends_phrase(at) || frame::begins_position(&self.bare[at + 1..]);
         let ends = ends
+            || self.tokens[at + 1].kind == Kind::Code
             || (self.bare.get(at + 1).is_some_and(|next| role::role_of(next).is_some())
                 && self.tokens.get(at + 2).is_some_and(|t| t.kind == Kind::Code && !t.after_break));
         let letter = word.len() == 1 && word.is_ascii() && (ends || !"aeiouy".contains(word));
-        if letter {
+        if letter || is_roman_numeral(word) {
             Some(word.to_owned())
         } else {
             number_word(word).filter(|_| ends || !word.ends_with("th")).map(str::to_owned)
@@ -110,7 +126,8 @@ impl Around<'_> {
             ["-", "to", "bis", "through", "until", "thru"].contains(&self.bare.get(at + 1)?.as_str());
         let range = format!("{}-{}", self.bare[at], self.bare.get(at + 2)?);
         let unbroken = self.tokens[at + 1..=at + 2].iter().all(|t| !t.after_break);
-        (joined && unbroken && identifier::is_range(&range.to_uppercase(), 3)).then_some((range, 3))
+        let of_code = [at, at + 2].iter().all(|at| self.tokens[*at].kind == Kind::Code);
+        (joined && unbroken && of_code).then_some((range, 3))
     }
 
     /// "On the left", "left side", "left of".
@@ -145,6 +162,14 @@ fn ordinal(code: &str) -> Option<&str> {
     let (number, ending) = code.split_at(digits);
     let endings = ["", "st", "nd", "rd", "th", "e", "er", "eme", "o", "a", "°"];
     ((1..=2).contains(&digits) && endings.contains(&ending)).then_some(number)
+}
+
+/// Whether a word of two letters or more is a Roman numeral below 90: "Hall III".
+fn is_roman_numeral(word: &str) -> bool {
+    let tens = word.trim_start_matches('x');
+    let ones = tens.strip_prefix('l').map_or(tens, |rest| rest.trim_start_matches('x'));
+    let is_short = word.len() > 1 && word.len() <= 8 && word.len() - tens.len() <= 3;
+    is_short && ["", "i", "ii", "iii", "iv", "v", "vi", "vii", "viii", "ix"].contains(&ones)
 }
 
 pub fn number_word(word: &str) -> Option<&'static str> {

@@ -76,6 +76,12 @@ fn name(direction: usize) -> &'static str {
     WORDS[direction].split(' ').next().unwrap_or_default()
 }
 
+/// Returns the one name of a point of the compass in all languages; none of other stems.
+pub fn compass(stem: &str) -> Option<&'static str> {
+    let named = WORDS.iter().skip(4).find(|words| words.split(' ').any(|word| word == stem))?;
+    named.split(' ').next()
+}
+
 /// Whether this stem is a direction.
 pub fn is_direction(stem: &str) -> bool {
     bit(stem).is_some()

@@ -74,6 +74,12 @@ impl Frame {
         self.is_filled && self.marks[at]
     }
 
+    /// Whether it introduces what a picture shows.
+    pub fn is_of_picture(&self, bare: &[&str]) -> bool {
+        let is_medium = |at: usize| MEDIA.has(&dictionary::stem(bare[at])) || bare[at] == "canvas";
+        (0..bare.len()).any(|at| self.leaves_out(at) && is_medium(at))
+    }
+
     /// Whether a word is of a frame with nothing in it, and so no more than generic.
     pub fn is_empty_at(&self, at: usize) -> bool {
         !self.is_filled && self.marks[at]

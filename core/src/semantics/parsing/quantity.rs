@@ -22,12 +22,16 @@ pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: boo
     if is_number(first) && ["x", "*"].contains(&next) && is_number(word(2)) {
         return 3 + usize::from(is_unit(word(3)));
     }
-    if is_number(first) && (is_unit(next) || is_currency(next)) {
+    // "101 M" may be a door: one letter is a unit before a word, as in "2 m wide".
+    let goes_on = |unit: &str, after: usize| unit.len() > 1 || !unit.is_ascii() || !word(after).is_empty();
+    if is_number(first) && ((is_unit(next) && goes_on(next, 2)) || is_currency(next)) {
         return 2 + usize::from(next == "\u{b0}" && ["c", "f"].contains(&word(2)));
     }
+    let unit = unit_of(first);
     let alone = is_time_or_date(first)
         || is_dimensions(first)
-        || (!numbered && (has_unit(first) || is_year(first, before) || is_count(first, next)));
+        || (!numbered
+            && ((!unit.is_empty() && goes_on(unit, 1)) || is_year(first, before) || is_count(first, next)));
     usize::from(alone)
 }
 
@@ -82,12 +86,12 @@ fn is_dimensions(code: &str) -> bool {
     code.split_once('x').is_some_and(|(a, b)| is_number(a) && is_number(b))
 }
 
-/// 2m, 230v, 10am, 1st.
-fn has_unit(code: &str) -> bool {
+/// Returns the unit that is glued to a number: 2m, 230v, 10am, 1st. Empty if there is none.
+fn unit_of(code: &str) -> &str {
     let unit = code.trim_start_matches(|c: char| c.is_ascii_digit() || ".,".contains(c));
     let digits = code.len() - unit.len();
     let fits = unit.len() > 1 || digits <= if unit == "m" { 2 } else { 3 };
-    digits > 0 && fits && GLUED_UNITS.has(unit)
+    if digits > 0 && fits && GLUED_UNITS.has(unit) { unit } else { "" }
 }
 
 /// Returns a year only where a word says so: 2014 alone may be a room.

@@ -1,16 +1,18 @@
 //! Reading a text: which of its tokens are identifiers, quantities, negations and words.
 
-use crate::semantics::identifiers::identifier::Identifier;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::generic;
 use crate::semantics::lexicon::misreading;
 use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::lexicon::words::Word;
+use crate::semantics::names::identifier::Identifier;
 use crate::semantics::parsing::context::{self, Around};
 use crate::semantics::parsing::direction;
 use crate::semantics::parsing::frame::Frame;
 use crate::semantics::parsing::noise;
 use crate::semantics::parsing::normalise::bare;
+use crate::semantics::parsing::numeral;
 use crate::semantics::parsing::quantity;
 use crate::semantics::parsing::token::{Kind, MAX_TOKENS, Token};
 
@@ -44,10 +46,29 @@ pub enum What {
         /// A "no" or "not" bears on it.
         negated: bool,
     },
+    /// A letter that is an article or a conjunction unless it is part of a name: "a boat", "A tower 12".
+    Article(String),
 }
 
+/// What a text says, token by token.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// What its tokens say, in order.
+    pub mentions: Vec<Mention>,
+    /// Whether it describes in a sentence what a sign looks like, so that not all of its words are on the sign.
+    pub is_caption: bool,
+    /// Whether it tells what a picture shows.
+    pub is_of_picture: bool,
+}
+
+/// Words that only a sentence about a sign has: indefinite articles, and what is said of letters.
+static CAPTION: WordList = WordList::of(
+    "an ein eine einen einem einer un une una uma een with showing saying displaying reading letters lettering characters \
+     digits text inscription",
+);
+
 /// Reads the tokens of a normalised text.
-pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
+pub fn read(tokens: &[Token<'_>]) -> Reading {
     let bare: Vec<String> = tokens.iter().map(|token| bare(token.text)).collect();
     let words: Vec<&str> = bare.iter().map(String::as_str).collect();
     let mut reader = Reader {
@@ -63,7 +84,12 @@ pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
         at += reader.step(at);
     }
     reader.negate_last();
-    reader.mentions
+    let is_article = |mention: &Mention| mention.what == What::Article("a".to_owned());
+    let is_caption = bare.iter().any(|word| CAPTION.has(word))
+        || (0..tokens.len()).any(|at| reader.frame.leaves_out(at))
+        || reader.mentions.iter().any(is_article);
+    let is_of_picture = reader.frame.is_of_picture(&words);
+    Reading { mentions: reader.mentions, is_caption, is_of_picture }
 }
 
 struct Reader<'t> {
@@ -158,7 +184,7 @@ impl Reader<'_> {
             return phrase;
         }
         if let Some((role, first)) = &role
-            && let Some(number) = self.around.letter_and_number(at)
+            && let Some(number) = self.around.letter_and_number(role, at)
         {
             self.identifier(role.clone(), &number, *first, at + 2);
             return 2;
@@ -175,21 +201,43 @@ impl Reader<'_> {
             self.negation = Some(at);
         } else if self.around.is_location(at) {
             // Where the thing hangs, not where it points; and left of it is not right of it.
-            let place = Word::of_class(Class::Descriptive, format!("at {}", dictionary::stem(word)));
-            self.word(place, at, at + 1);
+            self.word(Word::location(&dictionary::stem(word)), at, at + 1);
         } else if self.frame.is_empty_at(at) {
             self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at, at + 1);
-        } else if (word.len() > 1 || !word.is_ascii())
-            && !self.frame.leaves_out(at)
-            && !self.around.is_particle(at)
-        {
+        } else if word.chars().nth(1).is_none() && word.chars().all(char::is_alphabetic) {
+            self.letter(at);
+        } else if !self.frame.leaves_out(at) && !self.around.is_particle(at) {
             self.word(Word::new(dictionary::stem(word)), at, at + 1);
         }
         1
     }
 
+    /// One letter is part of a name, unless it may be a word and another word follows. Its accent tells it from others.
+    fn letter(&mut self, at: usize) {
+        let letter = self.tokens[at].text.to_owned();
+        let before_word = self.tokens.get(at + 1).is_some_and(|next| {
+            next.kind == Kind::Word && !next.after_break && role::role_of(&self.bare[at + 1]).is_none()
+        });
+        if before_word && dictionary::listed(&self.bare[at]) == Some(Class::Function) {
+            self.mentions.push(Mention { what: What::Article(letter), first: at, end: at + 1 });
+        } else {
+            self.word(Word::of_class(Class::Letter, letter), at, at + 1);
+        }
+    }
+
+    /// "三楼会议室" is room "会议室" on floor 3: a numeral straight before what it numbers is a number.
     fn ideographs(&mut self, at: usize) -> usize {
-        self.run(self.tokens[at].text, at);
+        let mut rest = self.tokens[at].text;
+        while let Some((before, number, role, after)) = numeral::first_numbered(rest) {
+            if !before.is_empty() {
+                self.run(before, at);
+            }
+            self.identifier(role, &number, at, at + 1);
+            rest = after;
+        }
+        if !rest.is_empty() {
+            self.run(rest, at);
+        }
         1
     }
 
@@ -225,7 +273,8 @@ impl Reader<'_> {
         let plural = || {
             (before.first..before.end).any(|i| role::role_of(&self.bare[i]).is_some_and(|(_, plural)| plural))
         };
-        let carried = || before.first + 1 == before.end && identifier.role != Role::Neutral;
+        let is_named = identifier.role != Role::Neutral && !identifier.role.is_container();
+        let carried = || before.first + 1 == before.end && is_named;
         (and || (between.is_empty() && (plural() || carried()))).then(|| identifier.role.clone())
     }
 

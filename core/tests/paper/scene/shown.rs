@@ -45,7 +45,9 @@ impl Sign {
                 .collect(),
             matches: if root == id { matches_of(map, id, &object) } else { Vec::new() },
             merged_into: (root != id).then_some(root),
-            numbering: numbering.flat_map(|numbering| numbering.shown().map(str::to_owned)).collect(),
+            numbering: numbering
+                .flat_map(|numbering| numbering.learned_or_given().map(str::to_owned))
+                .collect(),
             class,
             object,
         })

@@ -14,7 +14,7 @@ use crate::domain::ids::{AnchorSeq, LoopId, SessionSeq};
 use crate::domain::settings::Settings;
 use crate::geometry::Aabb;
 use crate::recognition::map::dense_map::DenseMap;
-use crate::semantics::{Numbering, Text};
+use crate::semantics::{Numbering, Text, TextKind};
 
 /// All that descriptions are judged by.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +49,8 @@ pub struct Description {
     pub certainty: Certainty,
     /// InformationLevel, 1 to 5, by the built-in judge or by a model.
     pub information_level: u8,
+    /// The kind of its text, which a model or a person may have written.
+    pub kind: TextKind,
 }
 
 /// One physical object: the anchors that links join, under the name of the oldest.
@@ -89,7 +91,8 @@ impl MergedAnchor {
         let class = members.first().and_then(|first| anchors.get(first.index()));
         let class = class.map_or("", |anchor| &anchor.class);
         let numbering = readings.numbering(class);
-        let mut description = match (by_hand, by_plan, votes.elected()) {
+        let elected = votes.elected(numbering);
+        let mut description = match (by_hand, by_plan, &elected) {
             (Some(raw), ..) => Some(Description::new(raw, numbering, true, Certainty::Sure)),
             (None, Some(raw), _) => Some(Description::new(raw, numbering, false, Certainty::Sure)),
             (None, None, Some(elected)) => {
@@ -100,15 +103,18 @@ impl MergedAnchor {
                     _ => Certainty::ReadAlike,
                 };
                 let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
-                Some(Description::new(merged.unwrap_or(elected.text), numbering, false, certainty))
+                Some(Description::new(merged.unwrap_or(&elected.text), numbering, false, certainty))
             }
             (None, None, None) => None,
         };
         let is_unsure = by_hand.is_none()
-            && votes.elected().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));
+            && elected.as_ref().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));
         if let Some(description) = &mut description {
             let text = &description.text;
             let is_doubtful = is_unsure && !text.is_described() && !readings.is_alike(class, text);
+            if by_hand.is_some() || elected.as_ref().is_some_and(|elected| elected.described) {
+                description.kind = description.kind.described();
+            }
             description.information_level =
                 if is_doubtful { 1 } else { verdicts.information_level(class, &description.text) };
         }
@@ -129,8 +135,8 @@ impl MergedAnchor {
 impl Description {
     fn new(raw: &str, numbering: Option<&Numbering>, by_hand: bool, certainty: Certainty) -> Self {
         let text = Arc::new(Text::under(raw, numbering));
-        let information_level = text.information_level();
-        Self { raw: raw.into(), text, by_hand, certainty, information_level }
+        let (information_level, kind) = (text.information_level(), text.kind());
+        Self { raw: raw.into(), text, by_hand, certainty, information_level, kind }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::semantics::Text;
+use crate::semantics::{Shape, Text};
 
 /// The most texts that are kept at once. When there are more, all are forgotten: a robot's next keyframes see other signs.
 const TEXTS_MAX: usize = 1 << 14;
@@ -13,8 +13,10 @@ const TEXTS_MAX: usize = 1 << 14;
 pub struct ParsedReading {
     /// In normal form.
     pub normalised: Box<str>,
-    /// Its identifiers, or its normal form.
+    /// Its names in their one spelling, or its normal form.
     pub gist: Box<str>,
+    /// How its name is written, if it has a number.
+    pub shape: Option<Shape>,
     /// Whether it says anything.
     pub is_informative: bool,
 }
@@ -38,6 +40,7 @@ impl ParsedReadings {
         let parsed = Arc::new(ParsedReading {
             normalised: text.normalised().into(),
             gist: text.gist().into(),
+            shape: text.shape(),
             is_informative: text.information_level() > 1,
         });
         self.by_text.insert(reading.into(), parsed.clone());

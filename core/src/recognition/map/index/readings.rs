@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-use super::parsed_readings::ParsedReadings;
+use super::parsed_readings::{ParsedReading, ParsedReadings};
 use crate::domain::anchor::Observation;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::Settings;
@@ -100,7 +100,7 @@ impl Readings {
         parsed: &mut ParsedReadings,
     ) {
         for reading in readings(observation) {
-            self.change(class, &parsed.of(reading).gist, |sightings| {
+            self.change(class, &parsed.of(reading), |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Err(at) = sightings.binary_search(&sighting) {
                     sightings.insert(at, sighting);
@@ -118,7 +118,7 @@ impl Readings {
         parsed: &mut ParsedReadings,
     ) {
         for reading in readings(observation) {
-            self.change(class, &parsed.of(reading).gist, |sightings| {
+            self.change(class, &parsed.of(reading), |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Ok(at) = sightings.binary_search(&sighting) {
                     sightings.remove(at);
@@ -127,7 +127,8 @@ impl Readings {
         }
     }
 
-    fn change(&mut self, class: &str, gist: &str, change: impl FnOnce(&mut Vec<Sighting>)) {
+    fn change(&mut self, class: &str, reading: &ParsedReading, change: impl FnOnce(&mut Vec<Sighting>)) {
+        let gist = &*reading.gist;
         if !self.by_class.contains_key(class) {
             self.by_class.insert(class.into(), OfClass::default());
         }
@@ -145,11 +146,11 @@ impl Readings {
         if before != now {
             self.touched.extend(concerned);
             self.touched.extend(sightings.iter().map(|(.., anchor)| *anchor));
-            if let Some(shape) = Shape::of(gist) {
+            if let Some(shape) = &reading.shape {
                 let values = of_class.alike.entry(shape.clone()).or_default();
                 *values = if now { *values + 1 } else { *values - 1 };
                 if *values == 0 {
-                    of_class.alike.remove(&shape);
+                    of_class.alike.remove(shape);
                 }
                 self.open.insert(class.into());
             }
@@ -181,11 +182,13 @@ impl Readings {
                 self.by_class.remove(&class);
             }
             if is_another {
-                let shown = learned.map(|numbering| numbering.shown().map(str::to_owned).collect());
+                let shapes = learned.iter().flat_map(Numbering::learned_or_given);
+                let shapes: Vec<String> = shapes.map(str::to_owned).collect();
                 let of_all = Arc::make_mut(&mut self.learned);
-                match shown {
-                    Some(shapes) => drop(of_all.insert(class.clone(), shapes)),
-                    None => drop(of_all.remove(&class)),
+                if shapes.is_empty() {
+                    of_all.remove(&class);
+                } else {
+                    of_all.insert(class.clone(), shapes);
                 }
                 changed.insert(class);
             }

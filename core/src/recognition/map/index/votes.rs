@@ -6,7 +6,7 @@ use super::parsed_readings::{ParsedReading, ParsedReadings};
 use crate::domain::anchor::Observation;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::report::ReadingReport;
-use crate::semantics::Text;
+use crate::semantics::{Numbering, Text};
 
 /// Votes are summed in millionths of a detection's confidence: integers add up to the same
 /// sum in any order, so that a rebuilt index equals the live one to the bit.
@@ -24,11 +24,23 @@ struct Tally {
     newest: (KeyframeSeq, u16),
     /// As the newest detection wrote it.
     text: Box<str>,
+    /// Equal for spellings of one name: these are one reading in the vote.
+    gist: Box<str>,
 }
 
 impl Tally {
     fn rank(&self) -> (bool, u64, (KeyframeSeq, u16)) {
         (self.informative, self.units, self.newest)
+    }
+
+    fn add(&mut self, vote: &Self) {
+        self.units += vote.units;
+        self.count += vote.count;
+        self.described |= vote.described;
+        if vote.newest > self.newest {
+            self.newest = vote.newest;
+            self.text.clone_from(&vote.text);
+        }
     }
 }
 
@@ -40,9 +52,9 @@ pub struct Votes {
 
 /// The reading that won.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Elected<'a> {
+pub struct Elected {
     /// As last read.
-    pub text: &'a str,
+    pub text: Box<str>,
     /// How many detections read it alike.
     pub count: usize,
     /// Whether a model or a person said so at least once.
@@ -51,7 +63,7 @@ pub struct Elected<'a> {
     pub weight: f64,
 }
 
-impl Elected<'_> {
+impl Elected {
     /// Whether it was read once only, by a reader that was not confident: dots and window frames are read so, too.
     pub fn is_doubtful(&self, min_confidence: f64) -> bool {
         !self.described && self.count == 1 && self.weight < min_confidence
@@ -84,6 +96,7 @@ impl Votes {
             count: 1,
             newest: (observation.keyframe, observation.detection),
             text: reading.into(),
+            gist: parsed.gist.clone(),
         };
         self.count(&parsed.normalised, vote);
     }
@@ -96,24 +109,28 @@ impl Votes {
     }
 
     fn count(&mut self, normalised: &str, vote: Tally) {
-        let Some(tally) = self.tallies.get_mut(normalised) else {
-            self.tallies.insert(normalised.into(), vote);
-            return;
-        };
-        tally.units += vote.units;
-        tally.count += vote.count;
-        tally.described |= vote.described;
-        if vote.newest > tally.newest {
-            tally.newest = vote.newest;
-            tally.text = vote.text;
+        match self.tallies.get_mut(normalised) {
+            Some(tally) => tally.add(&vote),
+            None => drop(self.tallies.insert(normalised.into(), vote)),
         }
     }
 
-    /// Returns the reading with the most weight; of equals, the newest.
-    pub fn elected(&self) -> Option<Elected<'_>> {
-        let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
+    /// Returns the reading with the most weight; of equals, the newest. Spellings of one name are one reading, and where the
+    /// numbering knows names of more parts, one that lacks some supports those and outvotes none.
+    pub fn elected(&self, numbering: Option<&Numbering>) -> Option<Elected> {
+        let mut readings: BTreeMap<&str, Tally> = BTreeMap::new();
+        for tally in self.tallies.values() {
+            let known = readings.get_mut(&*tally.gist).map(|reading| reading.add(tally));
+            if known.is_none() {
+                readings.insert(&tally.gist, tally.clone());
+            }
+        }
+        let readings: Vec<Tally> = readings.into_values().collect();
+        let whole = numbering.filter(|numbering| readings.len() > 1 && numbering.tells_parts());
+        let readings = whole.map_or_else(|| readings.clone(), |numbering| with_support(&readings, numbering));
+        let best = readings.into_iter().max_by_key(Tally::rank)?;
         let weight = best.units as f64 / UNITS_PER_CONFIDENCE;
-        Some(Elected { text: &best.text, count: best.count, described: best.described, weight })
+        Some(Elected { text: best.text, count: best.count, described: best.described, weight })
     }
 
     /// Whether this is one of the readings, in normal form.
@@ -169,4 +186,20 @@ impl Votes {
             })
             .collect()
     }
+}
+
+/// Returns the readings of which none lacks parts, if there are such, each with the votes of those that do.
+fn with_support(readings: &[Tally], numbering: &Numbering) -> Vec<Tally> {
+    let texts: Vec<Text> =
+        readings.iter().map(|reading| Text::under(&reading.text, Some(numbering))).collect();
+    let (mut whole, partial): (Vec<_>, Vec<_>) =
+        readings.iter().cloned().zip(&texts).partition(|(_, text)| !text.is_partial());
+    if whole.iter().all(|(reading, _)| !reading.informative) {
+        return readings.to_vec();
+    }
+    for (part, of_part) in partial {
+        let supported = whole.iter_mut().filter(|(_, text)| of_part.is_part_of(text));
+        supported.for_each(|(reading, _)| reading.units += part.units);
+    }
+    whole.into_iter().map(|(reading, _)| reading).collect()
 }

@@ -1,0 +1,123 @@
+//! The kind of a text: what it may be evidence of (M22).
+
+use crate::semantics::judge::information::{Information, specific};
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::role;
+use crate::semantics::lexicon::word_list::WordList;
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::names::name::Name;
+use crate::semantics::parsing::normalise::bare;
+
+/// Words beside a known kind of room from which on a text is a sentence, and no name.
+const NAME_WORDS_MAX: usize = 4;
+/// Words from which on a text that also has grammar is a sentence.
+const NOTICE_WORDS_MIN: usize = 3;
+
+/// What kind of text a description is. A description by a model or by hand is one, whatever its words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TextKind {
+    /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
+    Name,
+    /// A proper name beside a word for what it names: "Meeting Room Turing".
+    ProperName,
+    /// A sentence or an instruction: "Please keep this door closed".
+    Notice,
+    /// A sign of every building: EXIT.
+    CommonSign,
+    /// A description of a thing by a sentence: "a painting of a boat".
+    Description,
+    /// A code: a fiducial marker, a UUID, a link.
+    Code,
+    /// Nobody can tell: a word that the lexicon does not have may be a name, a notice, a brand or noise.
+    Unknown,
+}
+
+impl TextKind {
+    /// Returns the kind of a text of this kind that a model or a person wrote: what has no name describes a thing.
+    pub fn described(self) -> Self {
+        match self {
+            Self::Name | Self::Code | Self::CommonSign => self,
+            Self::ProperName | Self::Notice | Self::Description | Self::Unknown => Self::Description,
+        }
+    }
+
+    /// Returns the name in the API document.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Name => "name",
+            Self::ProperName => "proper_name",
+            Self::Notice => "notice",
+            Self::CommonSign => "common_sign",
+            Self::Description => "description",
+            Self::Code => "code",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// What was found of a text.
+pub struct Found<'t> {
+    /// The text with its capitals.
+    pub clean: &'t str,
+    /// The object's own name.
+    pub name: Option<&'t Name>,
+    /// Whether it names a floor, wing or building.
+    pub has_containers: bool,
+    /// Whether its number has a shape that nothing bears out, beside others that are.
+    pub is_doubtful: bool,
+    /// Whether it tells what a picture shows.
+    pub is_of_picture: bool,
+    /// Its words.
+    pub words: &'t [Word],
+    /// Those of its words that are denied.
+    pub negated: &'t [Word],
+    /// How much it tells.
+    pub information: &'t Information,
+}
+
+/// Words that ask for something.
+static REQUESTS: WordList = WordList::of(
+    "please bitte veuillez priere favor prego gelieve vennligst lutfen prosim kerjuk prosze pozhaluysta пожалуйста παρακαλω \
+    请 請 ください 주세요",
+);
+
+/// Returns the kind of a text. Unknown is the default.
+pub fn kind(found: &Found<'_>) -> TextKind {
+    let has_unknown = || found.words.iter().any(|word| word.class == Class::Specific);
+    match () {
+        () if found.name.is_some() && found.is_doubtful => TextKind::Unknown,
+        () if found.name.is_some() || (found.has_containers && found.information.is_container_alone) => {
+            TextKind::Name
+        }
+        () if found.information.level == 1 => TextKind::Unknown,
+        () if is_request(found) => TextKind::Notice,
+        () if found.is_of_picture && specific(found.words).next().is_some() => TextKind::Description,
+        () if is_sentence(found) => TextKind::Notice,
+        () if !has_unknown() => TextKind::CommonSign,
+        () if found.information.name.is_some() && is_beside_kind(found) => TextKind::ProperName,
+        () => TextKind::Unknown,
+    }
+}
+
+/// Whether it asks for something, or forbids it.
+fn is_request(found: &Found<'_>) -> bool {
+    words(found.clean).any(|word| REQUESTS.has(&word))
+        || !found.negated.is_empty()
+        || found.clean.ends_with(['!', '！'])
+}
+
+/// Whether it has grammar, and as many words as a sentence.
+fn is_sentence(found: &Found<'_>) -> bool {
+    let has_grammar = words(found.clean).any(|word| dictionary::listed(&word) == Some(Class::Function));
+    has_grammar && found.words.len() >= NOTICE_WORDS_MIN
+}
+
+fn words(clean: &str) -> impl Iterator<Item = String> + '_ {
+    clean.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(bare)
+}
+
+/// Whether a word tells what kind of room is named: "Meeting Room Turing".
+fn is_beside_kind(found: &Found<'_>) -> bool {
+    let tells = |word: &Word| word.class == Class::Generic && role::role_of(&word.text).is_some();
+    found.words.len() <= NAME_WORDS_MAX && found.words.iter().any(tells)
+}
