@@ -338,12 +338,13 @@ fn reasons_name_the_evidence() {
         ("901", "910", "901 is not 910"),
         ("910", "901", "901 is not 910"),
         ("floor 9", "room 9", "floor 9 is not room 9"),
-        ("9O1", "901", "901 may be a misreading of 9O1"),
+        ("9O1", "901", "901 may be a misreading of 9O1: digit 0, letter O"),
+        ("A 101", "b-101", "A 101 is not B-101: A here, B there"),
         ("exit left", "exit right", "one points left, the other right"),
         ("no entry", "entry", "one denies \"entry\", the other states it"),
         ("unknown", "901", "\"unknown\" says nothing about the object"),
         ("", "901", "one text is empty"),
-        ("901号室", "room 901", "both say room 901"),
+        ("901号室", "room 901", "both say 901"),
     ];
     for (a, b, reason) in table {
         assert_eq!(similarity(&Text::parse(a), &Text::parse(b)).reason, reason);

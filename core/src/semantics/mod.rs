@@ -46,6 +46,8 @@ mod text;
 mod golden;
 #[cfg(test)]
 mod laws;
+#[cfg(test)]
+mod schemes;
 
 pub use judge::common_sign::is_common_sign;
 pub use judge::evidence::Source;

@@ -108,6 +108,7 @@ impl Text {
             set.dedup();
         }
         let directions = Directions::among(&words);
+        let directions = if own.is_some() { directions.without_compass() } else { directions };
         let information =
             information::assess(&clean, &normalised, &identifiers, own.is_some(), &words, &negated);
         let kind = kind::kind(&kind::Found {
@@ -216,9 +217,9 @@ impl Text {
         let own = self.own.as_ref().filter(|_| {
             self.negated.is_empty() && self.information.level > 1 && self.standing != Standing::Partial
         })?;
-        let of_container = |(role, name): &(Role, Name)| (role.clone(), name.key().into());
+        let of_container = |(role, name): &(Role, Name)| (role.clone(), name.spelt().into());
         Some(Identity {
-            own: own.key().into(),
+            own: own.spelt().into(),
             is_code: own.is_code(),
             containers: self.containers.iter().map(of_container).collect(),
             directions: self.directions,

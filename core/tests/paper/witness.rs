@@ -41,8 +41,15 @@ fn a_slogan_alone_makes_no_loop_and_beside_a_door_number_it_counts() {
     check("the paper's letter", to_the_letter(), &[slogan()], true);
     let numbered = [slogan(), door("901", [0.5, 0.0, 1.0])];
     check("beside a number", default(), &numbered, true);
-    let described = [poster("a sailing boat before a windmill")];
-    check("three specific words are a description", default(), &described, true);
+    let described = [poster("a painting of a sailing boat before a windmill")];
+    check("what a picture shows is a description", default(), &described, true);
+    for notice in [
+        "Prière de fermer doucement cette porte",
+        "本室設備使用後請歸還原位",
+        "Kérjük az ajtót mindig csukva tartani",
+    ] {
+        check("a count of words is no witness", default(), &[poster(notice)], false);
+    }
     let container = [poster("Library Corner, level 5")];
     check("a floor is no identifier", default(), &container, false);
 }

@@ -77,7 +77,7 @@ pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
 /// Words that only announce a number: "room *no.* 901".
 pub fn is_number_label(word: &str) -> bool {
     static LABELS: WordList = WordList::of(
-        "no nr num number n # numero nummer numer nro nº n° nombor nomor so broj cislo szam sz numeral code номер αριθμοσ αρ \
+        "no nr num number n # numero nummer numer nro nº n° nombor nomor broj cislo szam numeral code номер αριθμοσ αρ \
          رقم מספר หมายเลข 番号 번호",
     );
     LABELS.has(word)
@@ -129,7 +129,10 @@ const ROLES: &[(Role, &str)] = &[
     (Role::Place("bay"), "bay"),
     (Role::Place("rack"), "rack"),
     (Role::Place("hub"), "hub"),
-    (Role::Place("building"), "building bldg block gebaude haus batiment edificio house"),
+    (
+        Role::Place("building"),
+        "building bldg block gebaude haus batiment edificio house корпус блок здание строение κτιριο",
+    ),
     (Role::Place("terminal"), "terminal"),
     (Role::Place("platform"), "platform gleis bahnsteig track quai voie anden via"),
     (Role::Place("seat"), "seat sitz sitzplatz siege asiento"),
@@ -145,7 +148,7 @@ const ROLES: &[(Role, &str)] = &[
     (Role::Place("zone"), "zone zona"),
     (Role::Place("sector"), "sector sektor secteur"),
     (Role::Place("section"), "section abschnitt"),
-    (Role::Place("wing"), "wing flugel aile"),
+    (Role::Place("wing"), "wing flugel aile крыло"),
     (Role::Place("row"), "row reihe rangee fila"),
     (Role::Place("column"), "column"),
     (Role::Place("lane"), "lane"),
@@ -179,6 +182,7 @@ const SUFFIXES: &[(&str, Role)] = &[
     ("番出口", Role::Place("exit")),
     ("号门", Role::Room),
     ("호실", Role::Room),
+    ("번", Role::Neutral),
     ("号", Role::Room),
     ("號", Role::Room),
     ("室", Role::Room),

@@ -26,13 +26,22 @@ pub fn name(code: &str) -> Option<Name> {
     builder.build()
 }
 
-/// Whether it is a family of markers and a number: `tag36h11:7`. A time has no letter before its colon.
+/// Whether it is a family of markers and a number: `tag36h11:7`. Families are named after their bits and distance (`36h11`),
+/// or begin with a word for markers.
 fn is_marker(text: &str) -> bool {
     let Some((family, number)) = text.rsplit_once(':') else { return false };
-    let is_family = family.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-        && family.bytes().any(|byte| byte.is_ascii_alphabetic())
-        && family.bytes().any(|byte| byte.is_ascii_digit() || byte == b'_');
-    is_family && !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
+    let family = family.to_ascii_lowercase();
+    let has_distance = family
+        .rsplit_once('h')
+        .is_some_and(|(bits, distance)| bits.ends_with(|c: char| c.is_ascii_digit()) && is_digits(distance));
+    let is_named =
+        ["aruco", "apriltag", "tag", "dict_", "marker"].iter().any(|word| family.starts_with(word));
+    let is_plain = family.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    is_plain && (has_distance || is_named) && is_digits(number)
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 fn is_uuid(text: &str) -> bool {
@@ -67,7 +76,9 @@ mod tests {
         ] {
             assert_eq!(by_form(&format!(" {code} ")).as_deref(), Some(code), "{code}");
         }
-        for text in ["10:30", "room: 12", "Gate:7", "901", "B-204", "12-34", "", "see https://example.org"] {
+        for text in
+            ["10:30", "room: 12", "Gate:7", "T9:312", "901", "B-204", "12-34", "", "see https://example.org"]
+        {
             assert_eq!(by_form(text), None, "{text}");
         }
     }

@@ -120,8 +120,9 @@ impl NameBuilder {
         self.letters(word);
     }
 
-    /// Adds a number or code: runs of letters and of digits with the marks between them.
-    pub fn code(&mut self, code: &str, written: &str) {
+    /// Adds a number or code: runs of letters and of digits with the marks between them. `canonical` gives one word for all
+    /// languages.
+    pub fn code(&mut self, code: &str, written: &str, canonical: impl Fn(&str) -> String) {
         self.write(written);
         let mut rest = code;
         let mut mark = None;
@@ -140,6 +141,8 @@ impl NameBuilder {
             };
             if is_digit(first) {
                 self.digits(&rest[..end], mark);
+            } else if rest[..end].chars().nth(1).is_some() {
+                self.letters(&canonical(&rest[..end]));
             } else {
                 self.letters(&rest[..end]);
             }
@@ -235,7 +238,7 @@ mod tests {
 
     fn name(code: &str) -> Name {
         let mut builder = NameBuilder::default();
-        builder.code(code, code);
+        builder.code(code, code, str::to_owned);
         builder.build().expect("a code")
     }
 

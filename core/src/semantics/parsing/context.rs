@@ -105,14 +105,15 @@ impl Around<'_> {
 
     /// "Room B", "floor nine". Vowels are words in some language, so they must end the phrase, or stand before
     /// another numbered thing: "building A room 5".
-    pub fn spelt_number(&self, at: usize) -> Option<String> {
+    pub fn spelt_number(&self, role: &Role, at: usize) -> Option<String> {
         let word = self.bare[at].as_str();
         let ends = self.ends_phrase(at) || frame::begins_position(&self.bare[at + 1..]);
         let ends = ends
+            || role.is_container()
             || self.tokens[at + 1].kind == Kind::Code
             || (self.bare.get(at + 1).is_some_and(|next| role::role_of(next).is_some())
                 && self.tokens.get(at + 2).is_some_and(|t| t.kind == Kind::Code && !t.after_break));
-        let letter = word.len() == 1 && word.is_ascii() && (ends || !"aeiouy".contains(word));
+        let letter = word.chars().nth(1).is_none() && (ends || !"aeiouy".contains(word));
         if letter || is_roman_numeral(word) {
             Some(word.to_owned())
         } else {

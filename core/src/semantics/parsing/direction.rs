@@ -39,6 +39,11 @@ impl Directions {
         Directions(bits.fold(0, |all, bit| all | bit))
     }
 
+    /// Returns the directions without the points of the compass, which are parts of names: "North 101".
+    pub fn without_compass(self) -> Directions {
+        Directions(self.0 & 0xf)
+    }
+
     /// Compares the directions of two texts.
     pub fn bearing(self, other: Directions) -> Bearing {
         let common = self.0 & other.0;

@@ -3,13 +3,14 @@
 //! Everything counts, unless it is known not to: the words "room" and "number", grammar, measures, arrows, and the looks of a
 //! door. Of a sentence about a sign only what stands beside the number is known to be on it.
 
-use crate::semantics::lexicon::dictionary::Class;
+use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::generic;
 use crate::semantics::lexicon::role::{self, Role};
 use crate::semantics::lexicon::words::Word;
 use crate::semantics::names::identifier::Identifier;
 use crate::semantics::names::name::{Name, NameBuilder};
 use crate::semantics::parsing::direction;
+use crate::semantics::parsing::normalise::bare;
 use crate::semantics::parsing::reading::{Mention, Reading, What};
 use crate::semantics::parsing::token::Token;
 
@@ -36,14 +37,14 @@ pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
                     containers.push((identifier.role.clone(), NameBuilder::default()));
                     containers.len() - 1
                 });
-                containers[of_role].1.code(identifier.as_str(), &identifier.phrase());
+                containers[of_role].1.code(identifier.as_str(), &identifier.phrase(), canonical);
             }
             What::Identifier(identifier) => {
                 let is_said = |said: &&Identifier| {
                     said.as_str() == identifier.as_str() && said.role.is_compatible(&identifier.role)
                 };
-                // "Room 901, number 901" says one number twice.
-                if numbers.iter().any(is_said) {
+                // "Room 901, number 901" says one number twice, "1 C 1" has two.
+                if tokens[mention.first].after_break && numbers.iter().any(is_said) {
                     continue;
                 }
                 numbers.push(identifier);
@@ -53,12 +54,12 @@ pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
                         own.word(word, &word.to_uppercase());
                     }
                 }
-                own.code(identifier.as_str(), identifier.as_str());
+                own.code(identifier.as_str(), identifier.as_str(), canonical);
             }
             What::Word { word, negated: false } if counts(word, mentions, at, reading.is_caption) => {
                 let written: Vec<&str> =
                     tokens[mention.first..mention.end].iter().map(|token| token.text).collect();
-                own.word(&canonical(word), &written.join(" ").to_uppercase());
+                own.word(&canonical(&word.text), &written.join(" ").to_uppercase());
             }
             What::Article(letter) if !reading.is_caption || is_beside_number(mentions, at) => {
                 own.word(letter, &letter.to_uppercase());
@@ -115,8 +116,9 @@ fn is_beside_number(mentions: &[Mention], at: usize) -> bool {
 }
 
 /// Returns one word for all languages where the lexicon has it.
-fn canonical(word: &Word) -> String {
-    let role = role::role_of(&word.text).map(|(role, _)| role.as_str().to_owned());
-    let known = || generic::concept(&word.text).or_else(|| direction::compass(&word.text));
-    role.or_else(|| known().map(str::to_owned)).unwrap_or_else(|| word.text.clone())
+fn canonical(word: &str) -> String {
+    let stem = dictionary::stem(&bare(word));
+    let role = role::role_of(&stem).map(|(role, _)| role.as_str().to_owned());
+    let known = || generic::concept(&stem).or_else(|| direction::compass(&stem)).map(str::to_owned);
+    role.or_else(known).unwrap_or(stem)
 }

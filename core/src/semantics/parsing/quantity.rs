@@ -23,7 +23,9 @@ pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: boo
         return 3 + usize::from(is_unit(word(3)));
     }
     // "101 M" may be a door: one letter is a unit before a word, as in "2 m wide".
-    let goes_on = |unit: &str, after: usize| unit.len() > 1 || !unit.is_ascii() || !word(after).is_empty();
+    let goes_on = |unit: &str, after: usize| {
+        unit.len() > 1 || !unit.is_ascii() || word(after).starts_with(char::is_alphabetic)
+    };
     if is_number(first) && ((is_unit(next) && goes_on(next, 2)) || is_currency(next)) {
         return 2 + usize::from(next == "\u{b0}" && ["c", "f"].contains(&word(2)));
     }
@@ -61,23 +63,28 @@ fn is_currency(word: &str) -> bool {
 
 fn is_number(word: &str) -> bool {
     word.starts_with(|c: char| c.is_ascii_digit())
+        && word.ends_with(|c: char| c.is_ascii_digit())
         && word.bytes().all(|b| b.is_ascii_digit() || b".,-".contains(&b))
 }
 
 /// 10:30, 24/7, 2024-05-12, 12.05.2024, 12/05/24.
 fn is_time_or_date(code: &str) -> bool {
-    if code.contains(':') || code == "24/7" {
+    let is_digits = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    if code == "24/7" || (code.contains(':') && code.split(':').all(is_digits)) {
         return true;
     }
     ['-', '.', '/'].iter().any(|separator| {
-        let mut widths = code
-            .split(*separator)
-            .map(|part| if part.bytes().all(|b| b.is_ascii_digit()) { part.len() } else { 9 });
-        match (widths.next(), widths.next(), widths.next(), widths.next()) {
-            (Some(4), Some(1..=2), Some(1..=2), None) | (Some(1..=2), Some(1..=2), Some(4), None) => true,
-            (Some(1..=2), Some(1..=2), Some(2), None) => *separator == '/',
-            _ => false,
-        }
+        let parts: Vec<&str> = code.split(*separator).filter(|part| is_digits(part)).collect();
+        let [a, b, c] = parts[..] else { return false };
+        let number = |part: &str| part.parse::<u32>().unwrap_or(u32::MAX);
+        let (day, month) = match [a.len(), b.len(), c.len()] {
+            [4, 1..=2, 1..=2] => (c, b),
+            [1..=2, 1..=2, 4] => (a, b),
+            [1..=2, 1..=2, 2] if *separator == '/' => (a, b),
+            _ => return false,
+        };
+        let (day, month) = (number(day), number(month));
+        (1..=31).contains(&day.max(month)) && (1..=12).contains(&day.min(month))
     })
 }
 

@@ -148,14 +148,22 @@ impl Reader<'_> {
             return 1;
         }
         let first = role.as_ref().map_or(at, |(_, first)| *first);
+        // An accent tells one letter from another.
+        let written = self.tokens[at].text;
         if let Some((range, len)) = self.around.spelt_range(at) {
             let role = role.map_or(Role::Neutral, |(role, _)| role);
             self.identifier(role, &range, first, at + len);
             return len;
         } else if let Some((role, _)) = role {
-            self.identifiers(&role, code, first, at + 1);
+            self.identifiers(&role, written, first, at + 1);
         } else if let Some((role, number, suffix)) = self.around.suffixed(at) {
-            self.identifier(role, &number, at, at + 2);
+            // What is counted stands behind the number: 3番線.
+            let place = if let Role::Place(place) = role { Some(place) } else { None };
+            let place = place.filter(|_| !role.is_container());
+            self.identifier(if place.is_some() { Role::Neutral } else { role }, &number, at, at + 2);
+            if let Some(place) = place {
+                self.word(Word::new(place.to_owned()), at, at + 2);
+            }
             if suffix < self.tokens[at + 1].text.len() {
                 self.run(&self.tokens[at + 1].text[suffix..], at + 1);
             }
@@ -168,7 +176,7 @@ impl Reader<'_> {
         } else {
             let role = name.or_else(|| Some((self.role_of_list(at)?, at)));
             let (role, first) = role.unwrap_or((Role::Neutral, at));
-            self.identifiers(&role, code, first, at + 1);
+            self.identifiers(&role, written, first, at + 1);
         }
         1
     }
@@ -190,7 +198,7 @@ impl Reader<'_> {
             return 2;
         }
         if let Some((role, first)) = role
-            && let Some(number) = self.around.spelt_number(at)
+            && let Some(number) = self.around.spelt_number(&role, at)
         {
             self.identifier(role, &number, first, at + 1);
         } else if self.around.is_ordinal_floor(at) {

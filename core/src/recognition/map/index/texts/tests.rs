@@ -242,7 +242,7 @@ fn a_crowd_is_not_listed_and_seldom_judged() {
 
 fn crowd(texts: u32) -> TextIndex {
     let letters = |n: u32| (0..4).map(|at| char::from(b'b' + (n >> (at * 4) & 15) as u8)).collect::<String>();
-    carried((0..texts).map(|n| format!("room 901 x{}", letters(n))), LISTED_MAX)
+    carried((0..texts).map(|n| format!("a plate with room 901, x{}", letters(n))), LISTED_MAX)
 }
 
 fn carried(texts: impl Iterator<Item = String>, listed_max: usize) -> TextIndex {
