@@ -19,6 +19,8 @@ pub const SHOWN_FROM_VALUES: usize = 3;
 const PATTERNS_MAX: usize = 16;
 /// Bytes of one pattern.
 const PATTERN_BYTES_MAX: usize = 256;
+/// Marks between the names of a sign that lists several: "5.11/5.15".
+const LIST_MARKS: [char; 3] = ['/', '-', ' '];
 /// Bytes that a compiled pattern may take.
 const COMPILED_BYTES_MAX: usize = 1 << 20;
 
@@ -136,7 +138,10 @@ impl Numbering {
         }
         // Nothing is learned of names without digits: "Gate B".
         let Some(shape) = Shape::of(name) else { return Standing::Whole };
-        let holds = |shapes: &BTreeSet<Shape>| shapes.iter().any(|own| shape == *own || shape.extends(own));
+        let is_list = |shapes: &BTreeSet<Shape>| {
+            LIST_MARKS.iter().any(|mark| shape.listed(*mark).all(|one| shapes.contains(&one)))
+        };
+        let holds = |shapes: &BTreeSet<Shape>| is_list(shapes) || shapes.iter().any(|own| shape.extends(own));
         let is_part = |shapes: &BTreeSet<Shape>| shapes.iter().any(|own| shape.is_part_of(own));
         match () {
             () if holds(&self.shapes) => Standing::Whole,
@@ -191,6 +196,14 @@ mod tests {
             assert!(level(a, b) <= 3, "{a} | {b}");
         }
         assert!(conflict(&parse("28"), &parse("ML D 28")).is_none());
+        for (text, shape) in [("5.11/5.15", "7.04"), ("5.11-5.15", "7.04"), ("901 902", "901")] {
+            let listed = self::numbering(&[(shape, 10)]);
+            assert_eq!(
+                Text::under(text, listed.as_ref()).kind(),
+                TextKind::Name,
+                "{text} lists names like {shape}"
+            );
+        }
         assert!(parse("28").is_partial() && !parse("Kitchen ML D 28").is_partial());
         // What is no number of the building says nothing of another, and is still a difference.
         for text in ["7.04", "HUB 4.1"] {

@@ -54,6 +54,15 @@ impl Shape {
             && self.slots().all(|slot| rest.any(|whole| fits(slot, whole)))
     }
 
+    /// Returns the shapes of the names that it lists, if a mark parts it so: `#.99` twice for `#.99/9.99`.
+    pub fn listed(&self, mark: char) -> impl Iterator<Item = Shape> + '_ {
+        self.0.split(mark).map(|one| {
+            let first = one.find('9').filter(|_| !one.contains('#'));
+            let rest = |at: usize| one[at..].trim_start_matches('9');
+            Shape(first.map_or_else(|| one.to_owned(), |at| format!("{}#{}", &one[..at], rest(at))).into())
+        })
+    }
+
     /// Whether it has the slots of another shape, its digits as that writes them, and letters or words besides.
     pub fn extends(&self, other: &Self) -> bool {
         other.is_part_of(self) && other.digits().eq(self.digits())

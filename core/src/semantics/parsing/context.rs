@@ -51,6 +51,8 @@ impl Around<'_> {
             let is_letter = word.chars().nth(1).is_none();
             self.tokens[before].kind == Kind::Word
                 && role::role_of(word).is_none()
+                // "Building IV block B": the numeral is the building's.
+                && !matches!(self.role_before(before), Some((Role::Room | Role::Floor | Role::Place(_), _)))
                 && (is_letter || misreading::class_of(&dictionary::stem(word)) != Class::Function)
         })
     }
