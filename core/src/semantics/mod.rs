@@ -47,6 +47,8 @@ mod golden;
 #[cfg(test)]
 mod laws;
 #[cfg(test)]
+mod name_laws;
+#[cfg(test)]
 mod schemes;
 
 pub use judge::common_sign::is_common_sign;

@@ -77,7 +77,7 @@ pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
 /// Words that only announce a number: "room *no.* 901".
 pub fn is_number_label(word: &str) -> bool {
     static LABELS: WordList = WordList::of(
-        "no nr num number n # numero nummer numer nro nº n° nombor nomor broj cislo szam numeral code номер αριθμοσ αρ \
+        "no nr num number # numero nummer numer nro nº n° nombor nomor broj cislo szam numeral code номер αριθμοσ αρ \
          رقم מספר หมายเลข 番号 번호",
     );
     LABELS.has(word)

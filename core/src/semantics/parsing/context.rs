@@ -95,6 +95,27 @@ impl Around<'_> {
         self.tokens.get(at + 1).is_none_or(|next| next.after_break)
     }
 
+    /// Whether a word of two letters or more follows that is no role word.
+    pub fn is_before_word(&self, at: usize) -> bool {
+        self.tokens.get(at + 1).is_some_and(|next| {
+            next.kind == Kind::Word
+                && !next.after_break
+                && self.bare[at + 1].chars().nth(1).is_some()
+                && role::role_of(&self.bare[at + 1]).is_none()
+        })
+    }
+
+    /// The "No." of "Room No. Nord 5" announces a number, though a word comes first.
+    pub fn is_label(&self, at: usize) -> bool {
+        let is_role = |before: usize| role::role_of(&self.bare[before]).is_some();
+        let announces = || {
+            let after = self.tokens.get(at + 1..=at + 2);
+            after
+                .is_some_and(|next| next.iter().all(|token| !token.after_break) && next[1].kind == Kind::Code)
+        };
+        role::is_number_label(&self.bare[at]) && (at.checked_sub(1).is_some_and(is_role) || announces())
+    }
+
     /// "Gate A 12" is gate A12, and "wing A 12" is number 12 of wing A.
     pub fn letter_and_number(&self, role: &Role, at: usize) -> Option<String> {
         if role.is_container() {

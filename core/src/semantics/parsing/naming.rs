@@ -43,23 +43,27 @@ pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
                 let is_said = |said: &&Identifier| {
                     said.as_str() == identifier.as_str() && said.role.is_compatible(&identifier.role)
                 };
-                // "Room 901, number 901" says one number twice, "1 C 1" has two.
-                if tokens[mention.first].after_break && numbers.iter().any(is_said) {
+                // "901, room 901" says one number twice, "1 C 1" has two.
+                if identifier.role == Role::Room && numbers.iter().any(is_said) {
                     continue;
                 }
                 numbers.push(identifier);
-                if let Role::Place(_) | Role::Named(_) = identifier.role {
-                    let word = identifier.role.as_str();
-                    if !own.ends_with(word) {
-                        own.word(word, &word.to_uppercase());
+                match &identifier.role {
+                    Role::Place(word) if !own.ends_with(word) => own.word(word, &word.to_uppercase()),
+                    // Elsewhere its own mention is part of the name.
+                    Role::Named(_) if reading.is_caption => {
+                        let word = tokens[mention.first].text;
+                        own.word(&canonical(word), &word.to_uppercase());
                     }
+                    _ => {}
                 }
                 own.code(identifier.as_str(), identifier.as_str(), canonical);
             }
             What::Word { word, negated: false } if counts(word, mentions, at, reading.is_caption) => {
                 let written: Vec<&str> =
                     tokens[mention.first..mention.end].iter().map(|token| token.text).collect();
-                own.word(&canonical(&word.text), &written.join(" ").to_uppercase());
+                let said = if word.class == Class::Specific { written.concat() } else { word.text.clone() };
+                own.word(&canonical(&said), &written.join(" ").to_uppercase());
             }
             What::Article(letter) if !reading.is_caption || is_beside_number(mentions, at) => {
                 own.word(letter, &letter.to_uppercase());
@@ -117,8 +121,9 @@ fn is_beside_number(mentions: &[Mention], at: usize) -> bool {
 
 /// Returns one word for all languages where the lexicon has it.
 fn canonical(word: &str) -> String {
-    let stem = dictionary::stem(&bare(word));
+    let bare = bare(word);
+    let stem = dictionary::stem(&bare);
     let role = role::role_of(&stem).map(|(role, _)| role.as_str().to_owned());
     let known = || generic::concept(&stem).or_else(|| direction::compass(&stem)).map(str::to_owned);
-    role.or_else(known).unwrap_or(stem)
+    role.or_else(known).unwrap_or(bare)
 }

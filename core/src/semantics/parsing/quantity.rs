@@ -1,11 +1,19 @@
 //! Quantities: numbers that measure, count, date, price or dial, and so name nothing.
 
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::role;
 use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::parsing::token::{Kind, Token};
 
 /// Returns how many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
-/// `numbered`: a role word such as "room" stands right before.
-pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: bool) -> usize {
+/// `numbered`: a role word such as "room" stands right before. `is_caption`: a sentence about a sign, which may count things.
+pub fn tokens_at(
+    tokens: &[Token<'_>],
+    bare: &[String],
+    at: usize,
+    numbered: bool,
+    is_caption: bool,
+) -> usize {
     let unbroken = |i: usize| i == 0 || tokens.get(at + i).is_some_and(|t| !t.after_break);
     let word = |i: usize| bare.get(at + i).filter(|_| (0..=i).all(unbroken)).map_or("", String::as_str);
     let before = at.checked_sub(1).map_or("", |i| bare[i].as_str());
@@ -19,21 +27,30 @@ pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: boo
     if tokens[at].kind != Kind::Code {
         return 0;
     }
-    if is_number(first) && ["x", "*"].contains(&next) && is_number(word(2)) {
+    // "1 X 1" may be a door, too.
+    if is_number(first)
+        && ["x", "*"].contains(&next)
+        && is_number(word(2))
+        && (is_caption || is_unit(word(3)))
+    {
         return 3 + usize::from(is_unit(word(3)));
     }
     // "101 M" may be a door: one letter is a unit before a word, as in "2 m wide".
     let goes_on = |unit: &str, after: usize| {
-        unit.len() > 1 || !unit.is_ascii() || word(after).starts_with(char::is_alphabetic)
+        let is_listed =
+            || matches!(dictionary::listed(word(after)), Some(Class::Descriptive | Class::Function));
+        unit.len() > 1 || !unit.is_ascii() || (word(after).len() > 1 && is_listed())
     };
     if is_number(first) && ((is_unit(next) && goes_on(next, 2)) || is_currency(next)) {
         return 2 + usize::from(next == "\u{b0}" && ["c", "f"].contains(&word(2)));
     }
     let unit = unit_of(first);
     let alone = is_time_or_date(first)
-        || is_dimensions(first)
+        || (is_dimensions(first) && (is_caption || is_unit(next)))
         || (!numbered
-            && ((!unit.is_empty() && goes_on(unit, 1)) || is_year(first, before) || is_count(first, next)));
+            && ((!unit.is_empty() && goes_on(unit, 1))
+                || is_year(first, before)
+                || (is_caption && is_count(first, next))));
     usize::from(alone)
 }
 
@@ -130,5 +147,7 @@ fn is_count(code: &str, next: &str) -> bool {
         && next.ends_with('s')
         && !next.ends_with("ss")
         && next.bytes().all(|b| b.is_ascii_alphabetic());
-    code.len() <= 2 && is_number(code) && (plural || COUNTED.contains(&next))
+    code.len() <= 2
+        && is_number(code)
+        && ((plural && role::role_of(next).is_none()) || COUNTED.contains(&next))
 }

@@ -19,10 +19,6 @@ use crate::semantics::parsing::token::{Kind, MAX_TOKENS, Token};
 /// Longer codes are serial numbers gone wrong or noise, and are compared as words.
 const MAX_CODE_LEN: usize = 24;
 
-/// Codes that name a kind of thing, not one thing.
-const NOT_IDENTIFIERS: [&str; 10] =
-    ["2d", "3d", "4k", "mp3", "mp4", "h2o", "co2", "covid19", "covid-19", "wifi6"];
-
 /// What one or more tokens in a row say.
 #[derive(Clone, Debug)]
 pub struct Mention {
@@ -61,9 +57,9 @@ pub struct Reading {
     pub is_of_picture: bool,
 }
 
-/// Words that only a sentence about a sign has: indefinite articles, and what is said of letters.
+/// Words that a sentence about a sign has: indefinite articles, and what is said of letters. Beside other grammar they make one.
 static CAPTION: WordList = WordList::of(
-    "an ein eine einen einem einer un une una uma een with showing saying displaying reading letters lettering characters \
+    "an ein eine einen einem einer un une una uma een showing saying displaying reading letters lettering characters \
      digits text inscription",
 );
 
@@ -71,25 +67,27 @@ static CAPTION: WordList = WordList::of(
 pub fn read(tokens: &[Token<'_>]) -> Reading {
     let bare: Vec<String> = tokens.iter().map(|token| bare(token.text)).collect();
     let words: Vec<&str> = bare.iter().map(String::as_str).collect();
-    let mut reader = Reader {
-        tokens,
-        frame: Frame::of(&words, |at| tokens[at].after_break),
-        bare: &bare,
-        around: Around { tokens, bare: &bare },
-        mentions: Vec::new(),
-        negation: None,
+    let frame = Frame::of(&words, |at| tokens[at].after_break);
+    let around = Around { tokens, bare: &bare };
+    let tells = bare.iter().any(|word| CAPTION.has(word))
+        || (0..tokens.len()).any(|at| bare[at] == "a" && around.is_before_word(at));
+    let is_grammar = |word: &String| {
+        dictionary::listed(word) == Some(Class::Function)
+            && word.chars().nth(1).is_some()
+            && !role::is_number_label(word)
+            && !CAPTION.has(word)
     };
+    let is_caption =
+        (tells && bare.iter().any(is_grammar)) || (0..tokens.len()).any(|at| frame.leaves_out(at));
+    let mut reader =
+        Reader { tokens, frame, bare: &bare, around, is_caption, mentions: Vec::new(), negation: None };
     let mut at = 0;
     while at < tokens.len() && reader.mentions.len() < MAX_TOKENS {
         at += reader.step(at);
     }
     reader.negate_last();
-    let is_article = |mention: &Mention| mention.what == What::Article("a".to_owned());
-    let is_caption = bare.iter().any(|word| CAPTION.has(word))
-        || (0..tokens.len()).any(|at| reader.frame.leaves_out(at))
-        || reader.mentions.iter().any(is_article);
     let is_of_picture = reader.frame.is_of_picture(&words);
-    Reading { mentions: reader.mentions, is_caption, is_of_picture }
+    Reading { mentions: reader.mentions, is_caption: reader.is_caption, is_of_picture }
 }
 
 struct Reader<'t> {
@@ -97,6 +95,7 @@ struct Reader<'t> {
     bare: &'t [String],
     frame: Frame,
     around: Around<'t>,
+    is_caption: bool,
     mentions: Vec<Mention>,
     /// Token of a "no" that still waits for its word.
     negation: Option<usize>,
@@ -112,7 +111,7 @@ impl Reader<'_> {
             name @ Some((Role::Named(_), _)) => (name, None),
             role => (None, role),
         };
-        let quantity = quantity::tokens_at(self.tokens, self.bare, at, role.is_some());
+        let quantity = quantity::tokens_at(self.tokens, self.bare, at, role.is_some(), self.is_caption);
         if quantity > 0 && !self.around.is_ordinal_floor(at) {
             let text = self.bare[at..at + quantity].concat();
             self.word(Word::of_class(Class::Quantity, text), at, at + quantity);
@@ -139,7 +138,7 @@ impl Reader<'_> {
     /// A word that is no role word gives a `name` only where nothing else tells a role: "Copernicus 3".
     fn code(&mut self, at: usize, role: Option<(Role, usize)>, name: Option<(Role, usize)>) -> usize {
         let code = self.bare[at].as_str();
-        if code.len() > MAX_CODE_LEN || NOT_IDENTIFIERS.contains(&code) {
+        if code.len() > MAX_CODE_LEN {
             self.word(Word::new(code.to_owned()), at, at + 1);
             return 1;
         }
@@ -206,7 +205,7 @@ impl Reader<'_> {
             self.identifier(Role::Floor, &number, at, at + 2);
             return 2;
         } else if dictionary::negates(word) {
-            self.negation = Some(at);
+            self.negation = Some(at).filter(|_| !self.around.is_label(at));
         } else if self.around.is_location(at) {
             // Where the thing hangs, not where it points; and left of it is not right of it.
             self.word(Word::location(&dictionary::stem(word)), at, at + 1);
@@ -223,12 +222,11 @@ impl Reader<'_> {
     /// One letter is part of a name, unless it may be a word and another word follows. Its accent tells it from others.
     fn letter(&mut self, at: usize) {
         let letter = self.tokens[at].text.to_owned();
-        let before_word = self.tokens.get(at + 1).is_some_and(|next| {
-            next.kind == Kind::Word && !next.after_break && role::role_of(&self.bare[at + 1]).is_none()
-        });
-        if before_word && dictionary::listed(&self.bare[at]) == Some(Class::Function) {
+        if self.around.is_before_word(at) && dictionary::listed(&self.bare[at]) == Some(Class::Function) {
             self.mentions.push(Mention { what: What::Article(letter), first: at, end: at + 1 });
         } else {
+            // Nobody denies a letter.
+            self.negation = None;
             self.word(Word::of_class(Class::Letter, letter), at, at + 1);
         }
     }
