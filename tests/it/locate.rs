@@ -161,6 +161,31 @@ async fn twin_floors_are_ambiguous_until_a_sign_tells_them_apart() {
 }
 
 #[tokio::test]
+async fn floors_that_one_letter_of_a_plate_tells_apart_are_told_apart() {
+    let server = Server::start().await;
+    let floor = |texts: [&'static str; 6]| {
+        let mut floor = CORRIDOR;
+        floor.iter_mut().zip(texts).for_each(|(sign, text)| sign.0 = text);
+        floor
+    };
+    let of_d = floor(["ML D 31", "ML D 32", "ML D 33", "ML D 34", "ML D 35", "ML D 36"]);
+    let of_e = floor(["ML E 31", "ML E 32", "ML E 33", "ML E 34", "ML E 35", "ML E 36"]);
+    let camera = pose([0.2, 0.0, 3.0], 5.0);
+    let question = json!({"keyframe": sighted(&camera, &of_e[1..3])});
+    drive(&server, "floor-d", &of_d, None).await;
+    // Its own floor is not mapped yet.
+    let answer = locate(&server, &question).await;
+    assert_ne!(answer["verdict"], "located", "{answer}");
+    drive(&server, "floor-e", &of_e, None).await;
+    let answer = locate(&server, &question).await;
+    assert_eq!(
+        (&answer["verdict"], &answer["places"][0]["map"]),
+        (&json!("located"), &json!("floor-e")),
+        "{answer}"
+    );
+}
+
+#[tokio::test]
 async fn views_tell_the_place_and_what_lies_in_one_session_is_no_rival() {
     let server = Server::start().await;
     let dense = |room| {

@@ -15,9 +15,15 @@
 //! | words that only frame a description | `parsing/frame.rs` | `Frame` |
 //! | colour, material and number of a thing | `parsing/looks.rs` | `Looks` |
 //! | room, floor, gate, ... | `lexicon/role.rs` | [`Role`], `role_of` |
-//! | identifier, look-alikes, ranges | `identifiers/identifier.rs` | [`Identifier`] |
-//! | which numbers are the building's own | `identifiers/numbering.rs` | [`Numbering`] |
+//! | a number as it stands in a text, with its role | `names/identifier.rs` | [`Identifier`] |
+//! | the names in a text | `parsing/naming.rs` | `names` |
+//! | a name: its parts in order, in one spelling | `names/name.rs`, `names/spelling.rs` | [`Name`] |
+//! | the same, different, unsure or open | `names/relation.rs` | `compare`, [`conflict`] |
+//! | codes, which are compared exactly | `names/code.rs` | `by_form` |
+//! | how names are written, slot by slot | `names/shape.rs` | [`Shape`] |
+//! | which numbers are the building's own | `names/numbering.rs` | [`Numbering`] |
 //! | what a reader makes of a wall | `parsing/noise.rs` | `is_noise_number`, `is_one_symbol` |
+//! | numerals of Chinese and Japanese | `parsing/numeral.rs` | `first_numbered` |
 //! | measures, dates, prices, counts | `parsing/quantity.rs` | `tokens_at` |
 //! | left, right, arrows | `parsing/direction.rs` | `Directions` |
 //! | sets of words and their likeness | `lexicon/words.rs` | `overlap`, `prefix` |
@@ -25,7 +31,7 @@
 //! | what decides about texts without a rare word in common | `judge/profile.rs` | [`Profile`] |
 //! | signs of every building | `judge/common_sign.rs` | [`is_common_sign`] |
 //! | InformationLevel, and why | `judge/information.rs`, `judge/information_reason.rs` | [`information()`] |
-//! | do two sets of identifiers agree? | `identifiers/agreement.rs` | [`conflict`] |
+//! | name, notice, common sign, description, code or unknown | `judge/kind.rs` | [`TextKind`] |
 //! | SimilarityLevel: the rules | `judge/similarity.rs` | [`similarity()`], [`similarity_level`] |
 //! | what a level rests on | `judge/evidence.rs` | `Evidence` |
 //! | the sentence that explains a level | `judge/reason.rs` | `sentence` |

@@ -17,6 +17,7 @@
 //! | M7 differing identifiers that are no contradictions | `differences.rs` |
 //! | M10 one passage, M21 unsure readings | `passage.rs` |
 //! | M11, M28, M39 verdicts: what is missing, and which checks run | `verdicts.rs` |
+//! | M14 names: wings, cut plates, notices | `names.rs` |
 //! | M17 company, M20 numberings, M26 assumed distances | `numbering.rs` |
 //! | M22, M25 texts that need a witness | `witness.rs` |
 //! | M32 sessions: two robots, or two days | `sessions.rs` |
@@ -44,6 +45,7 @@ mod inline;
 mod letter;
 mod local_map;
 mod matching;
+mod names;
 mod numbering;
 mod overview;
 mod passage;

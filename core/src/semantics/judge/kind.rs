@@ -121,3 +121,53 @@ fn is_beside_kind(found: &Found<'_>) -> bool {
     let tells = |word: &Word| word.class == Class::Generic && role::role_of(&word.text).is_some();
     found.words.len() <= NAME_WORDS_MAX && found.words.iter().any(tells)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::TextKind::{self, *};
+    use crate::semantics::Text;
+
+    #[test]
+    fn each_text_has_one_kind() {
+        let kinds: [(TextKind, &[&str]); 7] = [
+            (
+                Name,
+                &["901", "Room A 101", "ML D 28", "HUB 10", "Level 5", "三楼", "EXIT 3", "7.04 Seminarraum"],
+            ),
+            (ProperName, &["Meeting Room Turing", "Turing Office"]),
+            (
+                Notice,
+                &[
+                    "Please keep this door closed",
+                    "NO SMOKING",
+                    "Bitte Tür schließen",
+                    "Diese Brandschutztür ist stets geschlossen zu halten",
+                    "Authorised staff only!",
+                ],
+            ),
+            (CommonSign, &["EXIT", "Notausgang", "Salida de emergencia", "非常口"]),
+            (Description, &["a painting of a red boat on a lake", "A framed picture showing a bridge"]),
+            (Code, &["tag36h11:7", "https://example.org/17"]),
+            (
+                Unknown,
+                &[
+                    "Turing",
+                    "Küche",
+                    "Kijárat felé",
+                    "Wi-Fi",
+                    "Brandschutztür",
+                    "CASTELLANA",
+                    "会议室",
+                    "SHAPING THE NEXT",
+                    "",
+                    "unknown",
+                ],
+            ),
+        ];
+        for (kind, texts) in kinds {
+            for text in texts {
+                assert_eq!(Text::parse(text).kind(), kind, "{text}");
+            }
+        }
+    }
+}

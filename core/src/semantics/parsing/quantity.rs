@@ -39,7 +39,7 @@ pub fn tokens_at(
     let goes_on = |unit: &str, after: usize| {
         let is_listed =
             || matches!(dictionary::listed(word(after)), Some(Class::Descriptive | Class::Function));
-        unit.len() > 1 || !unit.is_ascii() || (word(after).len() > 1 && is_listed())
+        unit.len() > 1 || !unit.is_ascii() || (word(after).chars().nth(1).is_some() && is_listed())
     };
     if is_number(first) && ((is_unit(next) && goes_on(next, 2)) || is_currency(next)) {
         return 2 + usize::from(next == "\u{b0}" && ["c", "f"].contains(&word(2)));
