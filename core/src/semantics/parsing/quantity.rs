@@ -31,7 +31,7 @@ pub fn tokens_at(
     if is_number(first)
         && ["x", "*"].contains(&next)
         && is_number(word(2))
-        && (is_caption || is_unit(word(3)))
+        && (is_caption || (is_unit(word(3)) && word(3).len() > 1))
     {
         return 3 + usize::from(is_unit(word(3)));
     }
@@ -46,7 +46,7 @@ pub fn tokens_at(
     }
     let unit = unit_of(first);
     let alone = is_time_or_date(first)
-        || (is_dimensions(first) && (is_caption || is_unit(next)))
+        || (is_dimensions(first) && (is_caption || (is_unit(next) && next.len() > 1)))
         || (!numbered
             && ((!unit.is_empty() && goes_on(unit, 1))
                 || is_year(first, before)
