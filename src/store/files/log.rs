@@ -89,7 +89,8 @@ struct Index {
 impl Index {
     /// Reads the header; `None` if there is none, or none that can be relied upon.
     fn read(path: &Path) -> io::Result<Option<Self>> {
-        let Some(bytes) = head(path, INDEX_BYTES)? else { return Ok(None) };
+        let Some(mut file) = opened(path)? else { return Ok(None) };
+        let Some(bytes) = head(&mut file, INDEX_BYTES)? else { return Ok(None) };
         let (first, second) = bytes[..2 * INDEX_HEADER_BYTES].split_at(INDEX_HEADER_BYTES);
         let number = |at: usize| native(&bytes[at..at + 4]);
         let sum = checksum(&first[..40], [0, 0], native);
@@ -121,7 +122,10 @@ struct Log {
 impl Log {
     /// Reads a log and verifies its frames; `None` if there is none.
     fn read(path: &Path) -> io::Result<Option<Self>> {
-        let Some(header) = head(path, HEADER_BYTES)? else { return Ok(None) };
+        // One handle for all of it: a process that closes the database removes the log.
+        let Some(file) = opened(path)? else { return Ok(None) };
+        let mut log = BufReader::with_capacity(1 << 20, file);
+        let Some(header) = head(&mut log, HEADER_BYTES)? else { return Ok(None) };
         let mut salts = [0; 8];
         salts.copy_from_slice(&header[16..24]);
         let magic = big(&header[..4]);
@@ -135,8 +139,6 @@ impl Log {
         if !is_header {
             return Ok(Some(Self { salts, frames: 0, rest: Some("the header does not fit") }));
         }
-        let mut log = BufReader::with_capacity(1 << 20, File::open(path)?);
-        io::copy(&mut log.by_ref().take(HEADER_BYTES as u64), &mut io::sink())?;
         let mut frame = vec![0; FRAME_HEADER_BYTES + page_bytes];
         let mut frames = 0;
         let rest = loop {
@@ -162,14 +164,18 @@ impl Log {
     }
 }
 
-/// Returns the first bytes of a file; `None` if it is not there or shorter.
-fn head(path: &Path, bytes: usize) -> io::Result<Option<Vec<u8>>> {
-    let mut file = match File::open(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        opened => opened?,
-    };
+/// Opens a file; `None` if it is not there.
+fn opened(path: &Path) -> io::Result<Option<File>> {
+    match File::open(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        opened => opened.map(Some),
+    }
+}
+
+/// Returns the first bytes of a file; `None` if it is shorter.
+fn head(file: &mut impl Read, bytes: usize) -> io::Result<Option<Vec<u8>>> {
     let mut head = vec![0; bytes];
-    let read = fill(&mut file, &mut head)?;
+    let read = fill(file, &mut head)?;
     Ok((read == bytes).then_some(head))
 }
 
