@@ -30,9 +30,9 @@ impl Service {
         };
         self.read(&live, move |state| {
             let index = &state.index;
-            let text = filter.text.as_deref().map(|text| Text::parse(text).normalised().to_owned());
+            let text = filter.text.as_deref().map(Text::parse);
             let mut wanted =
-                index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_deref()));
+                index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_ref()));
             let mut alignments = Alignments::of(index);
             let report = |seq| views::anchor_with(index, seq, &mut alignments);
             let items = wanted.by_ref().take(limit).filter_map(report).collect();
@@ -138,7 +138,7 @@ fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport, ServiceErro
     views::anchor(index, anchor).ok_or_else(|| ServiceError::no_anchor(anchor.public()))
 }
 
-fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<&str>) -> bool {
+fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<&Text>) -> bool {
     let Some(anchor) = index.anchor(seq) else { return false };
     if filter.class.as_deref().is_some_and(|class| *class != *anchor.class) {
         return false;
@@ -155,9 +155,14 @@ fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<
     }
     let alone = if is_root { None } else { index.anchor_alone(seq) };
     let Some(object) = alone.as_ref().or_else(|| index.objects().get(seq)) else { return false };
-    let description = object.description.as_ref().map_or("", |description| description.text.normalised());
-    filter.state.is_none_or(|state| state == object.state)
-        && text.is_none_or(|text| description.contains(text))
+    // A part of the text, or of a name in any of its spellings.
+    let contains = |sought: &Text| {
+        object.description.as_ref().is_some_and(|description| {
+            let text = &description.text;
+            text.normalised().contains(sought.normalised()) || text.gist().contains(sought.gist())
+        })
+    };
+    filter.state.is_none_or(|state| state == object.state) && text.is_none_or(contains)
 }
 
 fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> Result<(), ServiceError> {

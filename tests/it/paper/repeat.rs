@@ -194,7 +194,8 @@ async fn a_crowd_of_texts_that_all_match_gives_the_same_bytes_after_a_restart() 
         let doors = (0..DOORS).map(|door| {
             let x = (10 * (number * DOORS + door)) as f64;
             let letter = |n: usize| char::from(b'b' + n as u8);
-            thing("plate", &format!("room 901 x{}{}", letter(number), letter(door))).at([x, 0.0, 2.0])
+            thing("plate", &format!("a plate with room 901, x{}{}", letter(number), letter(door)))
+                .at([x, 0.0, 2.0])
         });
         keyframe().sees(doors.collect::<Vec<_>>())
     };
@@ -203,7 +204,7 @@ async fn a_crowd_of_texts_that_all_match_gives_the_same_bytes_after_a_restart() 
     }
     // Old anchors get new texts, and new ones the places of old: what is oldest must not depend on when a text arrived.
     for (anchor, word) in [(1, "quill"), (3, "fern"), (61, "moss")] {
-        describe(&server, anchor, &format!("room 901 {word}")).await;
+        describe(&server, anchor, &format!("a plate with room 901, {word}")).await;
     }
     server.delete("/v1/maps/tower/keyframes/kf-1").await.expect(200);
     sent(&server, Method::PUT, "/keyframes/kf-1", passage(KEYFRAMES).0).await;
