@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
+use crate::cli::failure::Failure;
 use crate::domain::location::ASKED_KEYFRAMES_MAX;
 use crate::hotel::method::Method;
 use crate::hotel::restart::world::KEYFRAMES_OF_A_RESTART;
 use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
+use crate::hotel::seeds::{BLOCK_MAX, BLOCK_WORLDS, WorldSet};
 use crate::hotel::sensing::noise::NoiseKind;
 
 /// Run an experiment.
@@ -41,8 +43,8 @@ pub(super) enum Experiment {
 /// have a scale.
 ///
 /// WORLDS. The twelve sequences and the seeds from 0 on are for development: the method was tuned on the first of
-/// them. Seeds from 1,000,000 on (--held-out) are for reporting, never for tuning. The seed determines the floor plan,
-/// the furniture, the room numbers, the paintings, the tour and the drift of odometry.
+/// them. Seeds from 1,000,000 on (--held-out) are for reporting, never for tuning, in blocks of 100: block B begins at
+/// 1,000,000 + 100 B. The seed determines the floor plan, the furniture, the room numbers, the paintings, the tour and the drift of odometry.
 ///
 /// SCORES. By query: the answer of each keyframe. It is correct within 1 m and 30 degrees of the named keyframe.
 /// Otherwise it is neither correct nor wrong if the two keyframes see 25 of the same points. Keyframes of one robot
@@ -72,12 +74,13 @@ pub(super) struct HotelArgs {
     /// Run only these of the paper's sequences, comma-separated, such as SE1-00 or SE2-05
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["worlds", "world", "record"], value_parser = sequence)]
     pub(super) sequences: Vec<PrintedSequence>,
-    /// Number of random worlds for each kind of noise, instead of the paper's sequences; at most 1,000
+    /// Number of random worlds for each kind of noise, instead of the paper's sequences; at most 1,000, held out 100
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000))]
     pub(super) worlds: Option<u64>,
-    /// With --worlds: use the held-out worlds, seeds from 1,000,000 on, which are never used for tuning
-    #[arg(long, requires = "worlds")]
-    pub(super) held_out: bool,
+    /// With --worlds: use the held-out worlds of this block (0 if none is named), seeds from 1,000,000 + 100 BLOCK on,
+    /// which are never used for tuning
+    #[arg(long, value_name = "BLOCK", requires = "worlds", num_args = 0..=1, default_missing_value = "0", value_parser = clap::value_parser!(u64).range(..=BLOCK_MAX))]
+    pub(super) held_out: Option<u64>,
     /// Ask where a robot is that wakes up at random places, on three floors that look alike: 60 restarts a world, against a
     /// map of each floor. --worlds says how many worlds; default 1
     #[arg(long, conflicts_with_all = ["sequences", "world", "record", "noise", "hotel", "resume"])]
@@ -134,6 +137,14 @@ pub(super) enum Generator {
 }
 
 impl HotelArgs {
+    /// Returns the set of the random worlds; refuses more of them than a held-out block has.
+    pub(super) fn world_set(&self) -> Result<WorldSet, Failure> {
+        if self.held_out.is_some() && self.worlds.is_some_and(|count| count > BLOCK_WORLDS) {
+            return Err(format!("--held-out takes at most {BLOCK_WORLDS} worlds: a block has no more").into());
+        }
+        Ok(WorldSet::of_block(self.held_out))
+    }
+
     /// Returns the kinds of noise to run.
     pub(super) fn kinds(&self) -> Vec<NoiseKind> {
         match (self.hotel, &self.noise) {
@@ -156,4 +167,51 @@ fn noise_kinds(name: &str) -> Result<NoiseKinds, String> {
     let names: Vec<&str> = NoiseKind::ALL.into_iter().filter(has_noise).map(NoiseKind::name).collect();
     let kind = NoiseKind::of_name(name).filter(has_noise);
     Ok(NoiseKinds(vec![kind.ok_or_else(|| format!("one of {}, all", names.join(", ")))?]))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct OnlyEval {
+        #[command(flatten)]
+        eval: EvalArgs,
+    }
+
+    fn hotel(line: &str) -> Result<HotelArgs, clap::Error> {
+        let parsed =
+            OnlyEval::try_parse_from(["revisit", "hotel"].into_iter().chain(line.split_whitespace()))?;
+        let Experiment::Hotel(args) = parsed.eval.experiment;
+        Ok(args)
+    }
+
+    #[test]
+    fn held_out_names_a_block_or_means_the_first_one() {
+        for (line, set) in [
+            ("--worlds 100", WorldSet::Development),
+            ("--worlds 100 --held-out", WorldSet::HeldOut(0)),
+            ("--worlds 3 --held-out --noise none", WorldSet::HeldOut(0)),
+            ("--held-out 1 --worlds 3 --noise none", WorldSet::HeldOut(1)),
+            ("--locate --worlds 3 --held-out=12", WorldSet::HeldOut(12)),
+        ] {
+            assert_eq!(hotel(line).unwrap().world_set().unwrap(), set, "{line}");
+        }
+    }
+
+    #[test]
+    fn a_block_has_a_hundred_worlds_and_is_a_number() {
+        assert_eq!(hotel("--worlds 101").unwrap().world_set().unwrap(), WorldSet::Development);
+        assert!(hotel("--worlds 101 --held-out 1").unwrap().world_set().is_err());
+        for line in [
+            "--held-out",
+            "--worlds 3 --held-out x",
+            "--worlds 3 --held-out -1",
+            "--worlds 3 --held-out 10000",
+        ] {
+            assert!(hotel(line).is_err(), "{line}");
+        }
+    }
 }

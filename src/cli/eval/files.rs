@@ -59,10 +59,14 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     write_json(folder, &json!({"sequences": results}))
 }
 
-/// Writes all results of random worlds.
-pub(super) fn write_worlds(folder: &Path, results: &[WorldResult]) -> Result<(), Failure> {
+/// Writes all results of random worlds, and the block if they are held out.
+pub(super) fn write_worlds(
+    folder: &Path,
+    held_out: Option<u64>,
+    results: &[WorldResult],
+) -> Result<(), Failure> {
     fs::create_dir_all(folder)?;
-    write_json(folder, &json!({"worlds": results}))
+    write_json(folder, &json!({"held_out_block": held_out, "worlds": results}))
 }
 
 fn write_json(folder: &Path, results: &serde_json::Value) -> Result<(), Failure> {

@@ -8,14 +8,12 @@ use crate::hotel::building::texture::Patterns;
 use crate::hotel::restart::asking::{ask, map_floors, map_of};
 use crate::hotel::restart::score::RestartScore;
 use crate::hotel::restart::world::RestartWorld;
-use crate::hotel::seeds;
 
 /// Runs the restarts of some worlds, prints the table, and writes it as JSON.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
-    let (seeds, name) =
-        if args.held_out { (seeds::HELD_OUT, "held-out") } else { (seeds::DEVELOPMENT, "development") };
+    let set = args.world_set()?;
     let mut all = RestartScore::default();
-    for seed in seeds.take(count as usize) {
+    for seed in set.seeds().take(count as usize) {
         let keyframes = args.restart_keyframes;
         let make = move || RestartWorld::new(seed, keyframes, &Patterns::new());
         let world = tokio::task::spawn_blocking(make).await?;
@@ -33,5 +31,5 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     }
     std::fs::create_dir_all(&args.output)?;
     std::fs::write(args.output.join("restarts.json"), serde_json::to_vec_pretty(&all)?)?;
-    Ok(write_out(&format!("{count} {name} worlds of three floors alike\n{}", all.table()))?)
+    Ok(write_out(&format!("{count} {set} of three floors alike\n{}", all.table()))?)
 }

@@ -19,16 +19,14 @@ use crate::hotel::scoring::fleet::{self, FleetResult};
 use crate::hotel::scoring::results::{ArmResult, WorldResult};
 use crate::hotel::scoring::score::Outcome;
 use crate::hotel::scoring::tables::{self, pooled_worlds};
-use crate::hotel::seeds;
 use crate::hotel::sensing::noise::NoiseKind;
 
 /// Runs the worlds under each kind of noise, and prints and writes the results.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
     let kinds = &args.kinds();
-    let (seeds, name) =
-        if args.held_out { (seeds::HELD_OUT, "held-out") } else { (seeds::DEVELOPMENT, "development") };
+    let set = args.world_set()?;
     let of =
-        |kind: &NoiseKind| seeds.clone().take(count as usize).map(|seed| (*kind, seed)).collect::<Vec<_>>();
+        |kind: &NoiseKind| set.seeds().take(count as usize).map(|seed| (*kind, seed)).collect::<Vec<_>>();
     let worlds: Vec<(NoiseKind, u64)> = kinds.iter().flat_map(of).collect();
     let folder = args.resume.as_deref().unwrap_or(&args.output);
     let driven = DrivenWorlds::open(folder, args.resume.is_some())?;
@@ -45,15 +43,15 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
         .await?;
     progress.finish();
     let results = driven.all(now, &worlds);
-    files::write_worlds(folder, &results)?;
+    files::write_worlds(folder, args.held_out, &results)?;
     let table = tables::noise_table(&results, &Method::OF_WORLDS);
     let monocular = tables::monocular(&results);
-    let failures = tables::failures(&results, args.held_out);
+    let failures = tables::failures(&results, args.held_out.is_some());
     let losses = tables::losses(pooled_worlds(&results).map(|result| result.arms.as_slice()));
     let rounds = tables::rounds(&results);
     let fleets = fleet::table(results.iter().filter_map(|result| result.fleet.as_ref()));
     Ok(write_out(&format!(
-        "{count} {name} worlds for each kind of noise\n\n{table}{monocular}\n{failures}\n{losses}{rounds}{fleets}"
+        "{count} {set} for each kind of noise\n\n{table}{monocular}\n{failures}\n{losses}{rounds}{fleets}"
     ))?)
 }
 
