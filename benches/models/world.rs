@@ -21,7 +21,7 @@ use revisit::recognition::anchors::description_tasks::DescriptionTask;
 use revisit::recognition::anchors::find_description_tasks::find_description_tasks;
 use revisit::recognition::anchors::ingest::ingest;
 use revisit::recognition::anchors::pairs::Settled;
-use revisit::recognition::map::index::MapIndex;
+use revisit::recognition::map::index::{MapIndex, MergedAnchor};
 use revisit::semantics;
 use revisit::store::Store;
 
@@ -177,8 +177,11 @@ pub async fn play() -> Outcome {
         (journal.0.len(), journal.1)
     };
     store.close().await;
-    let wrongly_merged =
-        index.objects().iter().filter(|(_, object)| object.votes.disagreement().is_some()).count();
+    let disagrees = |object: &MergedAnchor| {
+        let numbering = index.readings().numbering(index.class_of(object));
+        object.votes.disagreement(numbering).is_some()
+    };
+    let wrongly_merged = index.objects().iter().filter(|(_, object)| disagrees(object)).count();
     Outcome {
         founded,
         objects: index.objects().len(),

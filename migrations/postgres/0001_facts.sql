@@ -31,11 +31,12 @@ create table maps (
     constraint maps_id unique (id)
 );
 
-create table map_anchor_classes (
+create table map_classes (
     map_key bigint not null,
+    list text collate "C" not null,
     class text collate "C" not null,
-    constraint map_anchor_classes_key primary key (map_key, class),
-    constraint map_anchor_classes_map foreign key (map_key) references maps (map_key) on delete cascade
+    constraint map_classes_key primary key (map_key, list, class),
+    constraint map_classes_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
 create table map_settings (

@@ -42,11 +42,13 @@ create table maps (
     constraint maps_id unique (id)
 ) strict;
 
-create table map_anchor_classes (
+create table map_classes (
     map_key integer not null,
+    -- anchor: the classes of which anchors are made; code: those whose texts are compared exactly.
+    list text not null,
     class text not null,
-    constraint map_anchor_classes_key primary key (map_key, class),
-    constraint map_anchor_classes_map foreign key (map_key) references maps (map_key) on delete cascade
+    constraint map_classes_key primary key (map_key, list, class),
+    constraint map_classes_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict, without rowid;
 
 -- Only what differs from the default, so that a better default reaches maps that never chose.

@@ -102,8 +102,8 @@ pub const CROP_BYTES: usize = 4 << 20;
 pub const PATTERNS: usize = 16;
 /// Characters of a regular expression.
 pub const PATTERN_CHARS: usize = 256;
-/// Classes that a map may name.
-pub const ANCHOR_CLASSES: usize = 256;
+/// Classes of one list that a map may name.
+pub const CLASSES: usize = 256;
 /// Keyframes, and map points, of one correction of poses.
 pub const CORRECTIONS: usize = 100_000;
 /// Map points that one request may fuse, and that it may cull.

@@ -37,6 +37,11 @@ pub struct MapBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
+    /// The classes whose texts are codes, such as fiducial markers and asset numbers. Codes are compared exactly: case and each
+    /// character count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
+    pub code_classes: Option<Vec<String>>,
     /// The settings that differ from their defaults.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<MapSettings>,
@@ -80,6 +85,10 @@ pub struct MapPatchBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
+    /// The classes whose texts are codes, compared exactly. What was read of them before is compared so, too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
+    pub code_classes: Option<Vec<String>>,
     /// The settings to be set; the others stay as they are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<MapSettings>,
@@ -107,6 +116,8 @@ pub struct MapView {
     pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,
+    /// The classes whose texts are codes, compared exactly, sorted.
+    pub code_classes: Vec<String>,
     /// Every setting in force.
     pub settings: MapSettings,
     /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
@@ -154,7 +165,7 @@ pub struct MapVersion {
     pub map_version: u64,
 }
 
-const FIELDS: [&str; 5] = ["description", "metric", "gravity", "anchor_classes", "settings"];
+const FIELDS: [&str; 6] = ["description", "metric", "gravity", "anchor_classes", "code_classes", "settings"];
 
 impl Decode for NewMap {
     fn decode(node: &Node<'_>) -> Option<Self> {
@@ -183,10 +194,12 @@ fn patch(map: &Object<'_>) -> Option<MapPatch> {
     let metric = map.optional("metric", read::switch);
     let gravity = map.optional("gravity", Gravity::decode);
     let anchor_classes = map.optional("anchor_classes", classes);
+    let code_classes = map.optional("code_classes", classes);
     let settings = map.optional("settings", ChosenSettings::decode);
     Some(MapPatch {
         description: description?,
         anchor_classes: anchor_classes?,
+        code_classes: code_classes?,
         metric: metric?,
         gravity: gravity?,
         settings: settings?.unwrap_or_default().0,
@@ -195,12 +208,13 @@ fn patch(map: &Object<'_>) -> Option<MapPatch> {
 
 impl From<MapPatch> for MapPatchBody {
     fn from(patch: MapPatch) -> Self {
-        let MapPatch { description, anchor_classes, metric, gravity, settings } = patch;
+        let MapPatch { description, anchor_classes, code_classes, metric, gravity, settings } = patch;
         Self {
             description,
             metric,
             gravity: gravity.map(|gravity| gravity.as_given()),
             anchor_classes,
+            code_classes,
             settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),
         }
     }
@@ -208,7 +222,7 @@ impl From<MapPatch> for MapPatchBody {
 
 /// Returns a set: neither the order nor a class named twice makes another map.
 fn classes(node: &Node<'_>) -> Option<Vec<String>> {
-    let mut classes = node.list(limits::ANCHOR_CLASSES, |node| node.name(limits::CLASS_CHARS))?;
+    let mut classes = node.list(limits::CLASSES, |node| node.name(limits::CLASS_CHARS))?;
     classes.sort_unstable();
     classes.dedup();
     Some(classes)
@@ -225,6 +239,7 @@ impl From<MapReport> for MapView {
             metric: map.properties.metric,
             gravity: map.properties.gravity.map(|gravity| gravity.as_given()),
             anchor_classes: map.properties.anchor_classes,
+            code_classes: map.properties.code_classes,
             keyframes: map.keyframes,
             anchors: map.anchors,
             sessions: map.sessions,

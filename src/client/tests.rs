@@ -237,7 +237,7 @@ async fn an_answer_off_the_api_document_is_said_with_its_place() {
 }
 
 /// A map as a server answers it.
-const MAP: &str = r#"{"id":"m","map_version":1,"description":"","metric":true,"anchor_classes":[],"settings":{},
+const MAP: &str = r#"{"id":"m","map_version":1,"description":"","metric":true,"anchor_classes":[],"code_classes":[],"settings":{},
     "keyframes":0,"anchors":0,"sessions":0,"loops":0,"bytes":0,"numbering":{},"twins":[]}"#;
 
 #[tokio::test]

@@ -106,7 +106,8 @@ async fn a_map_that_left_memory_says_to_the_byte_what_it_said() {
 async fn a_list_of_maps_brings_none_to_memory_and_says_what_each_says() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::with_map_memory(folder.path(), u64::MAX).await;
-    let classes = json!({"anchor_classes": ["sign", "\"door\""], "settings": {"agreeing_reads": 2}, "description": "c"});
+    let classes = json!({"anchor_classes": ["sign", "\"door\""], "code_classes": ["tag", "asset"],
+        "settings": {"agreeing_reads": 2}, "description": "c"});
     server.put("/v1/maps/c", &classes).await.expect(201);
     for map in ["/v1/maps/a", "/v1/maps/b"] {
         fill(&server, map).await;
@@ -128,8 +129,8 @@ async fn a_list_of_maps_brings_none_to_memory_and_says_what_each_says() {
         (&json!(24), &json!(2), &json!(1))
     );
     assert_eq!(
-        (&last["anchor_classes"], &last["settings"]["agreeing_reads"]),
-        (&json!(["\"door\"", "sign"]), &json!(2))
+        (&last["anchor_classes"], &last["code_classes"], &last["settings"]["agreeing_reads"]),
+        (&json!(["\"door\"", "sign"]), &json!(["asset", "tag"]), &json!(2))
     );
     // Nor does a stream.
     let mut stream = server.request(Method::GET, "/v1/maps/a/events?since=0").send().await.unwrap();

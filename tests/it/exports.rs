@@ -72,7 +72,10 @@ fn observations() -> Value {
 /// A map to which everything has happened that a client can do.
 pub async fn lived(server: &Server) {
     server
-        .put("/v1/maps/m", &json!({"description": "two floors", "settings": {"candidates_max": 9}}))
+        .put(
+            "/v1/maps/m",
+            &json!({"description": "two floors", "code_classes": ["tag"], "settings": {"candidates_max": 9}}),
+        )
         .await
         .expect(201);
     let rooms = [("kf-0", 0.0, "901"), ("kf-1", 1.0, "902"), ("kf-2", 2.0, "903"), ("kf-3", 3.0, "904")];
@@ -167,7 +170,9 @@ async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
         "delete",
     ];
     assert_eq!(ops, expected);
-    assert_eq!(lines[0]["body"], json!({"description": "two floors", "settings": {"candidates_max": 9}}));
+    let made =
+        json!({"description": "two floors", "code_classes": ["tag"], "settings": {"candidates_max": 9}});
+    assert_eq!(lines[0]["body"], made);
     assert_eq!(lines[5]["body"], json!({"settings": {"candidates_max": 20, "company": false}}));
     // What was corrected since is as it was sent.
     let sent = keyframe("robot-1", 2, 1.0, "902");

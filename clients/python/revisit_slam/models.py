@@ -1620,6 +1620,10 @@ class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made; empty means every class."""
+    code_classes: list[str] | None = None
+    """The classes whose texts are codes, such as fiducial markers and asset numbers. Codes are compared
+    exactly: case and each character count.
+    """
     settings: Settings | None = None
     """The settings that differ from their defaults."""
     base: MapBase | None = None
@@ -1652,6 +1656,10 @@ class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made from now on; empty means every class."""
+    code_classes: list[str] | None = None
+    """The classes whose texts are codes, compared exactly. What was read of them before is compared so,
+    too.
+    """
     settings: Settings | None = None
     """The settings to be set; the others stay as they are."""
 
@@ -1685,6 +1693,8 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Whether its lengths are metres."""
     anchor_classes: list[str]
     """The classes of which anchors are made, sorted; empty means every class."""
+    code_classes: list[str]
+    """The classes whose texts are codes, compared exactly, sorted."""
     settings: Settings
     """Every setting in force."""
     keyframes: int

@@ -16,6 +16,8 @@ pub struct MapProperties {
     pub metric: bool,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,
+    /// The classes whose texts are codes, compared exactly, sorted.
+    pub code_classes: Vec<String>,
     /// Gravity in the frame of each of its sessions, if they have it in common.
     pub gravity: Option<Gravity>,
     /// Every threshold of the method.

@@ -22,6 +22,8 @@ pub struct MapPatch {
     pub description: Option<String>,
     /// The new classes.
     pub anchor_classes: Option<Vec<String>>,
+    /// The new classes of codes.
+    pub code_classes: Option<Vec<String>>,
     /// Whether its lengths are metres.
     pub metric: Option<bool>,
     /// Gravity in its sessions' frame.

@@ -78,5 +78,5 @@ pub use names::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, SHOWN_F
 pub use names::relation::{Conflict, conflict, is_conflict};
 pub use names::shape::Shape;
 pub use parsing::noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
-pub use parsing::normalise::clean;
+pub use parsing::normalise::{clean, fold};
 pub use text::{Identity, Text};

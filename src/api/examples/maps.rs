@@ -12,6 +12,7 @@ pub fn map_body() -> Value {
         "metric": true,
         "gravity": [0.0, 1.0, 0.0],
         "anchor_classes": ["door_number"],
+        "code_classes": ["asset_tag"],
         "settings": {"candidates_max": 20}
     })
 }
@@ -30,6 +31,7 @@ pub fn map() -> Value {
         "metric": true,
         "gravity": [0.0, 1.0, 0.0],
         "anchor_classes": ["door_number"],
+        "code_classes": ["asset_tag"],
         "settings": MapSettings::from(&Settings::default()),
         "keyframes": 120,
         "anchors": 24,

@@ -12,7 +12,7 @@ use crate::recognition::anchors::describing::describe;
 use crate::recognition::map::culling::delete_object;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
-use crate::semantics::Text;
+use crate::semantics::{self, Text, TextKind};
 
 impl Service {
     /// Returns the anchors that pass a filter, oldest first.
@@ -159,7 +159,14 @@ fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<
     let contains = |sought: &Text| {
         object.description.as_ref().is_some_and(|description| {
             let text = &description.text;
-            text.normalised().contains(sought.normalised()) || text.gist().contains(sought.gist())
+            // The normal form of a code has its capitals, which a person need not know.
+            let is_in_code = || {
+                let [code, part] = [text, sought].map(|text| semantics::fold(text.normalised()));
+                text.kind() == TextKind::Code && code.contains(&part)
+            };
+            text.normalised().contains(sought.normalised())
+                || text.gist().contains(sought.gist())
+                || is_in_code()
         })
     };
     filter.state.is_none_or(|state| state == object.state) && text.is_none_or(contains)

@@ -87,11 +87,11 @@ impl Service {
 }
 
 fn fingerprint(base: &MapBase, patch: &MapPatch) -> Digest {
-    let MapPatch { description, anchor_classes, metric, gravity, settings } = patch;
+    let MapPatch { description, anchor_classes, code_classes, metric, gravity, settings } = patch;
     let gravity = gravity.map(|gravity| gravity.as_given());
     let mut settings: Vec<_> = settings.iter().collect();
     settings.sort_by_key(|(name, _)| name);
     let said = (base.map.as_str(), base.release.as_ref().map(ReleaseName::as_str));
-    Sha256::digest(format!("{said:?}{description:?}{anchor_classes:?}{metric:?}{gravity:?}{settings:?}"))
-        .into()
+    let classes = (anchor_classes, code_classes);
+    Sha256::digest(format!("{said:?}{description:?}{classes:?}{metric:?}{gravity:?}{settings:?}")).into()
 }

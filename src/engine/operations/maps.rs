@@ -185,7 +185,8 @@ fn fingerprint(properties: &MapProperties) -> Digest {
         .map(|row| (row.name, properties.settings.get(row.name)))
         .filter(|(name, value)| *value != defaults.get(name))
         .collect();
-    let said = (&properties.description, properties.metric, &properties.anchor_classes, chosen);
+    let classes = (&properties.anchor_classes, &properties.code_classes);
+    let said = (&properties.description, properties.metric, classes, chosen);
     // Maps made before there was such a field keep their fingerprint.
     let gravity = properties.gravity.map(|gravity| format!("{:?}", gravity.as_given())).unwrap_or_default();
     Sha256::digest(format!("{said:?}{gravity}")).into()
@@ -196,10 +197,16 @@ pub(super) fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProp
     if let Some(description) = patch.description {
         properties.description = description;
     }
-    if let Some(mut classes) = patch.anchor_classes {
-        classes.sort();
-        classes.dedup();
-        properties.anchor_classes = classes;
+    let lists = [
+        (patch.anchor_classes, &mut properties.anchor_classes),
+        (patch.code_classes, &mut properties.code_classes),
+    ];
+    for (classes, list) in lists {
+        if let Some(mut classes) = classes {
+            classes.sort();
+            classes.dedup();
+            *list = classes;
+        }
     }
     if let Some(metric) = patch.metric {
         properties.metric = metric;

@@ -27,6 +27,7 @@ pub(in crate::engine) fn anchor_with(
     let alone = if root == seq { None } else { Some(index.anchor_alone(seq)?) };
     let object = alone.as_ref().or_else(|| index.objects().get(root))?;
     let description = object.description.as_ref();
+    let numbering = index.readings().numbering(index.class_of(object));
     let named = |keyframe| index.keyframe(keyframe).map(|keyframe| keyframe.id.clone());
     let (matches, matches_total) = if root == seq { matches(index, root, object) } else { (Vec::new(), 0) };
     Some(AnchorReport {
@@ -46,12 +47,12 @@ pub(in crate::engine) fn anchor_with(
             .unwrap_or_default(),
         information_level: description.map_or(1, |description| description.information_level),
         information_reason: description.map(|description| information_reason(index, object, description)),
-        numbering: (index.readings().numbering(index.class_of(object)).into_iter())
+        numbering: (numbering.into_iter())
             .flat_map(|numbering| numbering.learned_or_given().map(str::to_owned))
             .collect(),
         plan_place: plan_place(index, object, alignments),
         readings: object.votes.report(),
-        disagreement: object.votes.disagreement(),
+        disagreement: object.votes.disagreement(numbering),
         keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
         frames: object
             .shapes

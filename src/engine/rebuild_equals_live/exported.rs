@@ -52,6 +52,7 @@ fn properties(patch: MapPatch) -> MapProperties {
         metric: patch.metric.unwrap_or(true),
         gravity: patch.gravity,
         anchor_classes: patch.anchor_classes.unwrap_or_default(),
+        code_classes: patch.code_classes.unwrap_or_default(),
         ..MapProperties::default()
     };
     for (name, value) in patch.settings {

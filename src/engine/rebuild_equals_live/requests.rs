@@ -63,6 +63,8 @@ pub(super) enum Request {
     Describe(u32, Option<u8>),
     DeleteAnchor(u32),
     Patch(u8),
+    /// Which of the two classes have codes for texts, as bits.
+    Codes(u8),
     ReadCrop {
         anchor: u32,
         observation: u8,
@@ -201,6 +203,7 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         1 => (0u32..10, prop::option::of(0u8..11)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),
         1 => (0u32..10).prop_map(Request::DeleteAnchor),
         1 => (0u8..8).prop_map(Request::Patch),
+        1 => (0u8..4).prop_map(Request::Codes),
         3 => (0u32..10, 0u8..4, 0u8..12, any::<bool>(), any::<bool>()).prop_map(
             |(anchor, observation, text, described, degraded)| Request::ReadCrop {
                 anchor,

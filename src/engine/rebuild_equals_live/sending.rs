@@ -251,6 +251,12 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
             };
             service.change(&live, decide).await.map(drop)
         }
+        Request::Codes(bits) => {
+            let is_one = |at: &usize| bits >> at & 1 == 1;
+            let classes = (0..CLASSES.len()).filter(is_one).map(|at| CLASSES[at].to_owned()).collect();
+            let patch = MapPatch { code_classes: Some(classes), ..MapPatch::default() };
+            service.patch_map(map, patch).await.map(drop)
+        }
         Request::Patch(setting) => {
             let (name, value) = SETTINGS[usize::from(setting)].clone();
             let gravity = Gravity::new([0.0, 1.0, f64::from(setting) * 1e-3]);

@@ -26,6 +26,7 @@ pub fn map(arm: Method, description: &str) -> MapBody {
         metric: Some(!arm.is_monocular()),
         gravity: None,
         anchor_classes: None,
+        code_classes: None,
         settings: Some(arm.settings()),
         base: None,
     }

@@ -224,10 +224,11 @@ impl Export {
 
     async fn operation(&mut self, version: u64, operation: Operation) -> Result<Step, StoreError> {
         Ok(match operation {
-            Operation::Map { description, metric, gravity, anchor_classes, settings } => {
+            Operation::Map { description, metric, gravity, anchor_classes, code_classes, settings } => {
                 let gravity = gravity.map(decode::given_gravity).transpose()?;
                 let settings = map_rows::settings(settings)?;
-                let now = MapProperties { description, metric, gravity, anchor_classes, settings };
+                let now =
+                    MapProperties { description, metric, gravity, anchor_classes, code_classes, settings };
                 let patch = difference(&self.properties, &now);
                 self.properties = now;
                 Step::of(Recorded::Map(patch))
@@ -353,6 +354,7 @@ fn difference(before: &MapProperties, now: &MapProperties) -> MapPatch {
     MapPatch {
         description: (before.description != now.description).then(|| now.description.clone()),
         anchor_classes: (before.anchor_classes != now.anchor_classes).then(|| now.anchor_classes.clone()),
+        code_classes: (before.code_classes != now.code_classes).then(|| now.code_classes.clone()),
         metric: (before.metric != now.metric).then_some(now.metric),
         gravity: now.gravity.filter(|_| before.gravity != now.gravity),
         settings: Settings::TABLE

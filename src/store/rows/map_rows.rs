@@ -79,13 +79,20 @@ pub struct MapRow {
     pub digest: Digest,
 }
 
+/// The lists of a map's classes: those of which anchors are made, and those whose texts are codes.
+const ANCHOR: &str = "anchor";
+const CODE: &str = "code";
+
 impl Store {
     /// Returns the rows of these maps by name; those that are not there are left out. One query, of the row of each map and
     /// the few settings and classes beside it.
     pub async fn map_rows(&self, ids: &[MapId]) -> Result<Vec<MapRow>, StoreError> {
         let select = "select m.*,
                 (select json_group_object(s.name, s.value) from map_settings s where s.map_key = m.map_key) as chosen,
-                (select json_group_array(c.class) from map_anchor_classes c where c.map_key = m.map_key) as classes
+                (select json_group_array(c.class) from map_classes c where c.map_key = m.map_key and c.list = 'anchor')
+                    as anchor_classes,
+                (select json_group_array(c.class) from map_classes c where c.map_key = m.map_key and c.list = 'code')
+                    as code_classes
             from maps m where m.id in (select value from json_each($1)) order by m.id";
         let ids: Vec<&str> = ids.iter().map(MapId::as_str).collect();
         let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
@@ -117,11 +124,13 @@ impl Store {
 }
 
 fn map_row(row: &Row) -> Result<MapRow, StoreError> {
-    let (chosen, classes): (&str, &str) = (row.try_get("chosen")?, row.try_get("classes")?);
     let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
-    let chosen: BTreeMap<String, String> = serde_json::from_str(chosen).map_err(unread)?;
-    let mut classes: Vec<String> = serde_json::from_str(classes).map_err(unread)?;
-    classes.sort_unstable();
+    let chosen: BTreeMap<String, String> = serde_json::from_str(row.try_get("chosen")?).map_err(unread)?;
+    let classes = |list: &str| {
+        let mut classes: Vec<String> = serde_json::from_str(row.try_get(list)?).map_err(unread)?;
+        classes.sort_unstable();
+        Ok::<_, StoreError>(classes)
+    };
     let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
     let report = MapReport {
         id: decode::id(row.try_get::<&str, _>("id")?)?,
@@ -129,7 +138,8 @@ fn map_row(row: &Row) -> Result<MapRow, StoreError> {
             description: row.try_get("description")?,
             metric: row.try_get("metric")?,
             gravity: decode::gravity(row)?,
-            anchor_classes: classes,
+            anchor_classes: classes("anchor_classes")?,
+            code_classes: classes("code_classes")?,
             settings: settings(chosen)?,
         },
         vocabulary: row.try_get("vocabulary")?,
@@ -196,10 +206,11 @@ pub(in crate::store) async fn set_properties(
     let update = "update maps set description = $2, metric = $3, gravity = $4 where map_key = $1";
     let query = sql::query(update).bind(map).bind(&properties.description).bind(properties.metric);
     run(db, query.bind(properties.gravity.map(gravity_blob))).await?;
-    run(db, sql::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
-    for class in &properties.anchor_classes {
-        let insert = "insert into map_anchor_classes (map_key, class) values ($1, $2)";
-        run(db, sql::query(insert).bind(map).bind(class)).await?;
+    run(db, sql::query("delete from map_classes where map_key = $1").bind(map)).await?;
+    let anchored = properties.anchor_classes.iter().map(|class| (ANCHOR, class));
+    for (list, class) in anchored.chain(properties.code_classes.iter().map(|class| (CODE, class))) {
+        let insert = "insert into map_classes (map_key, list, class) values ($1, $2, $3)";
+        run(db, sql::query(insert).bind(map).bind(list).bind(class)).await?;
     }
     run(db, sql::query("delete from map_settings where map_key = $1").bind(map)).await?;
     for (name, value) in chosen(&properties.settings) {
@@ -235,7 +246,6 @@ pub(in crate::store) async fn properties(
     key: MapKey,
     row: &Row,
 ) -> Result<MapProperties, StoreError> {
-    let classes = "select class from map_anchor_classes where map_key = $1 order by class";
     let stored: Vec<(String, String)> =
         sql::query_as("select name, value from map_settings where map_key = $1")
             .bind(key)
@@ -245,9 +255,16 @@ pub(in crate::store) async fn properties(
         description: row.try_get("description")?,
         metric: row.try_get("metric")?,
         gravity: decode::gravity(row)?,
-        anchor_classes: sql::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
+        anchor_classes: classes(db, key, ANCHOR).await?,
+        code_classes: classes(db, key, CODE).await?,
         settings: settings(stored)?,
     })
+}
+
+/// Returns a list of a map's classes, sorted.
+async fn classes(db: &mut Connection, key: MapKey, list: &str) -> Result<Vec<String>, StoreError> {
+    let select = "select class from map_classes where map_key = $1 and list = $2 order by class";
+    Ok(sql::query_scalar(select).bind(key).bind(list).fetch_all(db).await?)
 }
 
 /// Returns the settings in force where these were chosen.

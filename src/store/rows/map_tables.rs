@@ -69,4 +69,4 @@ pub(in crate::store) const TABLES: &[Table] = &[
 ];
 
 /// Tables with few rows of a map.
-pub(in crate::store) const SMALL_TABLES: [&str; 3] = ["map_anchor_classes", "map_settings", "models_away"];
+pub(in crate::store) const SMALL_TABLES: [&str; 3] = ["map_classes", "map_settings", "models_away"];

@@ -26,6 +26,7 @@ pub(in crate::store) enum Operation {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         gravity: Option<[f64; 3]>,
         anchor_classes: Vec<String>,
+        code_classes: Vec<String>,
         settings: BTreeMap<String, String>,
     },
     /// The client's map changed what keyframes of a session observe.
@@ -108,6 +109,7 @@ impl From<&MapProperties> for Operation {
             metric: properties.metric,
             gravity: properties.gravity.map(|gravity| gravity.as_given()),
             anchor_classes: properties.anchor_classes.clone(),
+            code_classes: properties.code_classes.clone(),
             settings: map_rows::chosen(&properties.settings)
                 .map(|(name, value)| (name.to_owned(), value))
                 .collect(),

@@ -9,6 +9,7 @@
 
 mod candidates;
 mod closing;
+mod code_classes;
 mod construction;
 mod contradiction;
 mod correction;

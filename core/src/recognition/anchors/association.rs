@@ -81,7 +81,7 @@ pub fn associate(
                 continue;
             }
             let is_retired = object.state == AnchorState::Retired;
-            if is_retired && excludes(object, detection) {
+            if is_retired && excludes(index, object, detection) {
                 continue;
             }
             let sight = Sight { points: &detection.map_points, position: detection.position_in_session };
@@ -108,9 +108,10 @@ pub fn associate(
 }
 
 /// Whether a detection was read as another sign than an object: it hangs in its place.
-fn excludes(object: &MergedAnchor, detection: &Detection) -> bool {
+fn excludes(index: &MapIndex, object: &MergedAnchor, detection: &Detection) -> bool {
     let text = object.description.as_ref().map(|description| &description.text);
-    let read = detection.reading().map(Text::parse);
+    let numbering = index.readings().numbering(&detection.class);
+    let read = detection.reading().map(|reading| Text::under(reading, numbering));
     text.zip(read).is_some_and(|(text, read)| semantics::is_conflict(text, &read))
 }
 

@@ -8,7 +8,7 @@ use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::domain::roles::Roles;
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
-use crate::semantics::{self, Text};
+use crate::semantics::{self, Numbering, Text};
 
 /// A crop replaces the one described before when its area is this many times as large.
 pub(in crate::recognition) const BETTER_CROP: f64 = 2.0;
@@ -75,9 +75,10 @@ fn reading(
         // What the client read says enough.
         return None;
     }
+    let numbering = index.readings().numbering(index.class_of(object));
     // A detection whose own text says enough is not read again.
     let says_enough = |seen: &Observation| {
-        let told = seen.reading.as_deref().map(|reading| Text::parse(reading).information_level());
+        let told = seen.reading.as_deref().map(|reading| Text::under(reading, numbering).information_level());
         told.is_some_and(|level| u32::from(level) >= settings.description_min_information_level)
     };
     let open = || with_crop.iter().copied().filter(|(_, seen)| !is_read(seen) && !says_enough(seen));
@@ -93,7 +94,7 @@ fn reading(
         let tells_more = |seen: &Observation| {
             is_large(seen)
                 && (area(seen) >= BETTER_CROP * largest_read
-                    || !agrees(object, read.len(), settings.agreeing_reads))
+                    || !agrees(object, numbering, read.len(), settings.agreeing_reads))
         };
         // A larger crop that is older than the last reading refreshes nothing, so each question has its own crop.
         let refreshes = |seen: &Observation| stamp_s(index, seen) - newest_read >= refresh_s;
@@ -126,10 +127,10 @@ fn has_degraded(with_crop: &[(AnchorSeq, &Observation)]) -> bool {
 }
 
 /// Whether enough of the readings agree, or enough were taken to leave it at that.
-fn agrees(object: &MergedAnchor, reads: usize, agreeing_reads: u32) -> bool {
+fn agrees(object: &MergedAnchor, numbering: Option<&Numbering>, reads: usize, agreeing_reads: u32) -> bool {
     let wanted = agreeing_reads as usize;
     let told: Vec<(Text, usize)> =
-        object.votes.described().map(|(text, count)| (Text::parse(text), count)).collect();
+        object.votes.described().map(|(text, count)| (Text::under(text, numbering), count)).collect();
     let alike = told.first().map_or(0, |(first, _)| {
         let same = |(text, _): &&(Text, usize)| semantics::similarity_level(first, text).0 >= 4;
         told.iter().filter(same).map(|(_, count)| count).sum()
@@ -160,7 +161,8 @@ fn of_object<'a>(
             semantics::information_is_open(text) && index.verdicts().information(class, text).is_none();
         open.then(|| DescriptionTask::Information { class: class.into(), text: text.normalised().into() })
     });
-    let merge = called.and_then(|_| object.votes.to_merge()).and_then(|(first, second)| {
+    let described = called.filter(|_| !index.readings().is_of_codes(class));
+    let merge = described.and_then(|_| object.votes.to_merge()).and_then(|(first, second)| {
         let (a, b) = if first <= second { (first, second) } else { (second, first) };
         if index.verdicts().merged(class, a, b).is_some() {
             return None;

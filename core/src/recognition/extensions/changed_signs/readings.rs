@@ -30,7 +30,7 @@ pub(super) fn reads_alike(
     sightings(index, object, keyframe).any(|sighting| {
         let is_itself = object.members.contains(&sighting.seq);
         let is_near = || centre.is_some_and(|centre| sighting.is_within(session, &centre, near_m));
-        is_alike(object, sighting.seen) && (is_itself || is_near())
+        is_alike(index, object, sighting.seen) && (is_itself || is_near())
     })
 }
 
@@ -57,10 +57,11 @@ impl Sighting<'_> {
 }
 
 /// Whether a detection was read as the object is called.
-pub(super) fn is_alike(object: &MergedAnchor, seen: &Observation) -> bool {
+pub(super) fn is_alike(index: &MapIndex, object: &MergedAnchor, seen: &Observation) -> bool {
     let Some(description) = &object.description else { return false };
+    let numbering = index.readings().numbering(index.class_of(object));
     let is_alike = |reading: &str| {
-        *reading == *description.raw || Text::parse(reading).gist() == description.text.gist()
+        *reading == *description.raw || Text::under(reading, numbering).gist() == description.text.gist()
     };
     readings(seen).any(is_alike)
 }

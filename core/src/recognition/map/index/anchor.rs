@@ -100,15 +100,16 @@ impl Anchor {
         }
     }
 
-    /// One more observation, by a keyframe of this session.
+    /// One more observation, by a keyframe of this session; `is_code` says whether texts of the class are codes.
     pub fn observe(
         &mut self,
         observation: Observation,
         session: SessionSeq,
+        is_code: bool,
         points: &Points,
         parsed: &mut ParsedReadings,
     ) {
-        self.votes.add(&observation, parsed);
+        self.votes.add(&observation, is_code, parsed);
         self.shapes.entry(session).or_default().add(&observation, session, points);
         self.observations.insert((observation.keyframe, observation.detection), observation);
     }
@@ -117,6 +118,7 @@ impl Anchor {
     pub fn refresh(
         &mut self,
         session_of: impl Fn(KeyframeSeq) -> SessionSeq,
+        is_code: bool,
         points: &Points,
         parsed: &mut ParsedReadings,
     ) {
@@ -124,7 +126,7 @@ impl Anchor {
         self.shapes.clear();
         self.place_prior();
         for observation in self.observations.values() {
-            self.votes.add(observation, parsed);
+            self.votes.add(observation, is_code, parsed);
             let session = session_of(observation.keyframe);
             self.shapes.entry(session).or_default().add(observation, session, points);
         }

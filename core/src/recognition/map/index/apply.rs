@@ -146,7 +146,8 @@ impl MapIndex {
         for seq in &touched.stale {
             if let Some(anchor) = self.anchors.get_mut(seq.index()) {
                 self.holders.release(&anchor.shapes, *seq);
-                anchor.refresh(session_of, points, &mut touched.parsed);
+                let is_code = self.readings.is_of_codes(&anchor.class);
+                anchor.refresh(session_of, is_code, points, &mut touched.parsed);
                 self.holders.hold_all(&anchor.shapes, *seq);
             }
         }
@@ -194,6 +195,7 @@ impl MapIndex {
     }
 
     fn set_properties(&mut self, properties: &MapProperties, touched: &mut Touched) {
+        self.set_code_classes(&properties.code_classes, touched);
         let before = std::mem::replace(&mut self.properties, properties.clone()).settings;
         let now = self.properties.settings.clone();
         if before.covisibility_min_shared_points != now.covisibility_min_shared_points {
@@ -348,7 +350,8 @@ impl MapIndex {
         };
         let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
         self.holders.hold(session, &observation.map_points, seq);
-        anchor.observe(observation.clone(), session, &self.points, &mut touched.parsed);
+        let is_code = self.readings.is_of_codes(&anchor.class);
+        anchor.observe(observation.clone(), session, is_code, &self.points, &mut touched.parsed);
         self.tally.add_observation(observation);
         self.readings.add(&anchor.class, seq, observation, &mut touched.parsed);
         self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);

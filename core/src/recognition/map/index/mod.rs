@@ -8,6 +8,7 @@ mod anchor;
 mod apply;
 mod changed_observations;
 mod changed_signs;
+mod codes;
 mod covisibility;
 mod globals;
 mod holders;

@@ -102,7 +102,9 @@ impl MergedAnchor {
                     0 | 1 => Certainty::ReadOnce,
                     _ => Certainty::ReadAlike,
                 };
-                let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
+                // Two codes make no third one.
+                let to_merge = votes.to_merge().filter(|_| !readings.is_of_codes(class));
+                let merged = to_merge.and_then(|(a, b)| verdicts.merged(class, a, b));
                 Some(Description::new(merged.unwrap_or(&elected.text), numbering, false, certainty))
             }
             (None, None, None) => None,

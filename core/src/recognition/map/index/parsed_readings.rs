@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::semantics::{Shape, Text};
+use crate::semantics::{Numbering, Shape, Text};
 
 /// The most texts that are kept at once. When there are more, all are forgotten: a robot's next keyframes see other signs.
 const TEXTS_MAX: usize = 1 << 14;
@@ -25,25 +25,28 @@ pub struct ParsedReading {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParsedReadings {
     by_text: HashMap<Box<str>, Arc<ParsedReading>>,
+    /// Those of classes whose texts are codes.
+    codes: HashMap<Box<str>, Arc<ParsedReading>>,
 }
 
 impl ParsedReadings {
-    /// Returns a reading, parsed.
-    pub fn of(&mut self, reading: &str) -> Arc<ParsedReading> {
-        if let Some(known) = self.by_text.get(reading) {
+    /// Returns a reading, parsed; a code is compared exactly. Nothing else of a numbering changes these parts.
+    pub fn of(&mut self, reading: &str, is_code: bool) -> Arc<ParsedReading> {
+        let known_texts = if is_code { &mut self.codes } else { &mut self.by_text };
+        if let Some(known) = known_texts.get(reading) {
             return known.clone();
         }
-        if self.by_text.len() == TEXTS_MAX {
-            self.by_text.clear();
+        if known_texts.len() == TEXTS_MAX {
+            known_texts.clear();
         }
-        let text = Text::parse(reading);
+        let text = Text::under(reading, is_code.then(Numbering::of_codes).as_ref());
         let parsed = Arc::new(ParsedReading {
             normalised: text.normalised().into(),
             gist: text.gist().into(),
             shape: text.shape(),
             is_informative: text.information_level() > 1,
         });
-        self.by_text.insert(reading.into(), parsed.clone());
+        known_texts.insert(reading.into(), parsed.clone());
         parsed
     }
 }

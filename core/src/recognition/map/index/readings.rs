@@ -30,8 +30,12 @@ struct OfClass {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     by_class: HashMap<Box<str>, OfClass>,
-    /// The operator's patterns, for every class.
+    /// The operator's patterns, for every class but those of codes.
     given: Option<Arc<Numbering>>,
+    /// The classes whose texts are codes.
+    codes: BTreeSet<Box<str>>,
+    /// The numbering of these.
+    of_codes: Arc<Numbering>,
     /// By class, the learned shapes as they are shown. Kept, because each write shows them and classes may be many.
     learned: Arc<BTreeMap<Box<str>, Vec<String>>>,
     learns: bool,
@@ -46,6 +50,8 @@ impl Default for Readings {
         let mut readings = Self {
             by_class: HashMap::new(),
             given: None,
+            codes: BTreeSet::new(),
+            of_codes: Arc::new(Numbering::of_codes()),
             learned: Arc::default(),
             learns: false,
             open: BTreeSet::new(),
@@ -67,8 +73,16 @@ impl Readings {
         self.sightings(class, text).is_some()
     }
 
-    /// Returns the numbering of a class: the operator's, or the learned one if enough is known.
+    /// Whether every text of a class is a code.
+    pub fn is_of_codes(&self, class: &str) -> bool {
+        self.codes.contains(class)
+    }
+
+    /// Returns the numbering of a class: that of codes, the operator's, or the learned one if enough is known.
     pub fn numbering(&self, class: &str) -> Option<&Numbering> {
+        if self.is_of_codes(class) {
+            return Some(&self.of_codes);
+        }
         self.given.as_deref().or_else(|| self.by_class.get(class)?.numbering.as_deref())
     }
 
@@ -91,6 +105,13 @@ impl Readings {
         self.open.extend(self.by_class.keys().cloned());
     }
 
+    /// Takes the classes whose texts are codes. What is kept of classes whose rule changes must have been removed before.
+    pub(super) fn set_codes(&mut self, classes: &[String]) {
+        let before =
+            std::mem::replace(&mut self.codes, classes.iter().map(|class| (**class).into()).collect());
+        self.open.extend(before.symmetric_difference(&self.codes).cloned());
+    }
+
     /// A detection that feeds an anchor has been read.
     pub(super) fn add(
         &mut self,
@@ -99,8 +120,9 @@ impl Readings {
         observation: &Observation,
         parsed: &mut ParsedReadings,
     ) {
+        let is_code = self.is_of_codes(class);
         for reading in readings(observation) {
-            self.change(class, &parsed.of(reading), |sightings| {
+            self.change(class, &parsed.of(reading, is_code), |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Err(at) = sightings.binary_search(&sighting) {
                     sightings.insert(at, sighting);
@@ -117,8 +139,9 @@ impl Readings {
         observation: &Observation,
         parsed: &mut ParsedReadings,
     ) {
+        let is_code = self.is_of_codes(class);
         for reading in readings(observation) {
-            self.change(class, &parsed.of(reading), |sightings| {
+            self.change(class, &parsed.of(reading, is_code), |sightings| {
                 let sighting = (observation.keyframe, observation.detection, anchor);
                 if let Ok(at) = sightings.binary_search(&sighting) {
                     sightings.remove(at);
@@ -173,7 +196,7 @@ impl Readings {
         let mut changed = BTreeSet::new();
         for class in std::mem::take(&mut self.open) {
             let Some(of_class) = self.by_class.get_mut(&class) else { continue };
-            let learns = self.learns && self.given.is_none();
+            let learns = self.learns && self.given.is_none() && !self.codes.contains(&class);
             let learned = if learns { Numbering::learned(&of_class.alike) } else { None };
             let is_empty = of_class.sightings.is_empty();
             let is_another = learned.as_ref() != of_class.numbering.as_deref();

@@ -72,13 +72,13 @@ impl Elected {
 
 impl Votes {
     /// Counts one observation's reading, if it has one.
-    pub fn add(&mut self, observation: &Observation, parsed: &mut ParsedReadings) {
+    pub fn add(&mut self, observation: &Observation, is_code: bool, parsed: &mut ParsedReadings) {
         if let Some(reading) = &observation.reading {
-            self.add_reading(observation, reading, observation.described, &parsed.of(reading));
+            self.add_reading(observation, reading, observation.described, &parsed.of(reading, is_code));
         }
         if let Some(read) = &observation.crop_reading {
             let described = read.described && !read.degraded;
-            self.add_reading(observation, &read.text, described, &parsed.of(&read.text));
+            self.add_reading(observation, &read.text, described, &parsed.of(&read.text, is_code));
         }
     }
 
@@ -164,8 +164,9 @@ impl Votes {
     }
 
     /// Two described readings that cannot be of one object: "901 is not 910".
-    pub fn disagreement(&self) -> Option<String> {
-        let told: Vec<Text> = self.described().map(|(normalised, _)| Text::parse(normalised)).collect();
+    pub fn disagreement(&self, numbering: Option<&Numbering>) -> Option<String> {
+        let told: Vec<Text> =
+            self.described().map(|(normalised, _)| Text::under(normalised, numbering)).collect();
         let first = told.first()?;
         told[1..].iter().find_map(|other| {
             let conflict = crate::semantics::conflict(first, other)?;
