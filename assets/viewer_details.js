@@ -206,6 +206,7 @@ export class Details {
         : this.world.settings().keep_crops === false && el("p", { class: "muted small" }, "No picture: this map keeps none."),
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
+        ["Kind", anchor.kind?.replaceAll("_", " ")],
         ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
         ["Stands at", places.length > 0 ? places : "not known yet"], ["In the plan", planPlace],
         ["Map points", number(anchor.map_points, 0)],

@@ -15,4 +15,4 @@ pub mod integrity;
 pub mod llm;
 pub mod store;
 
-pub use revisit_core::{domain, geometry, recognition, semantics, vocabulary};
+pub use revisit_core::{domain, geometry, named, recognition, semantics, vocabulary};

@@ -60,6 +60,7 @@
 
 pub mod domain;
 pub mod geometry;
+pub mod named;
 pub mod recognition;
 pub mod semantics;
 pub mod vocabulary;

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::decoding::document::Kind;
 use super::decoding::read::{Decode, Node};
 use super::limits;
-use super::names::AnchorStateName;
+use super::names::{AnchorStateName, TextKindName};
 use super::prior::{PlanPositionView, PriorView};
 use super::space::rounded;
 use crate::domain::ids::AnchorSeq;
@@ -30,6 +30,9 @@ pub struct AnchorView {
     /// Its description, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
+    /// What kind of text that is; left out without a description.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<TextKindName>,
     /// The source of its description: `readings` (the vote over all readings), `operator`, or `plan` for a prior anchor.
     pub description_source: String,
     /// The identifiers found in the description, such as a room's number.
@@ -186,6 +189,9 @@ pub struct LocalAnchorView {
     /// Its description, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
+    /// What kind of text that is; left out without a description.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<TextKindName>,
     /// Unit vector towards its centre in the camera's frame, `[x,y,z]`: right, down, forward.
     pub bearing: [f64; 3],
     /// Its distance, in metres.
@@ -223,6 +229,7 @@ impl From<AnchorReport> for AnchorView {
             class: anchor.class,
             state: anchor.state.into(),
             description: anchor.description,
+            kind: anchor.kind.map(TextKindName::from),
             description_source: anchor.description_source.to_owned(),
             identifiers: anchor.identifiers,
             information_level: anchor.information_level,
@@ -286,6 +293,7 @@ impl From<LocalAnchorReport> for LocalAnchorView {
             class: anchor.class,
             state: anchor.state.into(),
             description: anchor.description,
+            kind: anchor.kind.map(TextKindName::from),
             bearing: anchor.bearing.direction_in_camera().map(rounded),
             distance_m: rounded(anchor.bearing.distance_m()),
             weight: rounded(anchor.weight),

@@ -20,10 +20,11 @@ use crate::domain::judgement::Asks;
 use crate::domain::key::Action;
 use crate::domain::location::{Assumption, LocationVerdict, PoseSource};
 use crate::domain::loop_warning::LoopWarningCode;
-use crate::domain::named::Named;
 use crate::domain::reason::ReasonCode;
 use crate::domain::request::Detail;
 use crate::domain::verdict::{CandidateDecision, Decision, GeometryStatus, Verify};
+use crate::named::Named;
+use crate::semantics::TextKind;
 
 /// A value of the model, written as its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,6 +72,7 @@ names! {
     LocationVerdictName = LocationVerdict as "LocationVerdict";
     LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
     PoseSourceName = PoseSource as "PoseSource";
+    TextKindName = TextKind as "TextKind";
     VerdictName = Decision as "Verdict";
     VerifyName = Verify as "Verify";
 }

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::difference::DifferenceView;
 use super::geometry::GeometryView;
-use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, VerdictName};
+use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
 use super::space::rounded;
 use crate::domain::channel::ProposedBy;
 use crate::domain::ids::KeyframeId;
@@ -138,6 +138,8 @@ pub struct MatchView {
     pub query_anchor: String,
     /// The anchor of the candidate's local map.
     pub candidate_anchor: String,
+    /// The kind of the query's text.
+    pub kind: TextKindName,
     /// SimilarityLevel of the two descriptions, 1 to 5.
     #[schema(minimum = 1, maximum = 5)]
     pub level: u8,
@@ -270,6 +272,7 @@ impl From<&MatchEvidence> for MatchView {
         Self {
             query_anchor: pair.query_anchor.to_text(),
             candidate_anchor: pair.candidate_anchor.to_text(),
+            kind: pair.kind.into(),
             level: pair.level,
             source: pair.source.clone(),
             angle_difference_rad: rounded(pair.angle_difference_rad),

@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 use crate::domain::anchor::AnchorState;
 use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
-use crate::domain::named::Named;
 use crate::domain::reason::ReasonCode;
+use crate::named::Named;
 
 /// Returns the script.
 pub fn script() -> String {

@@ -7,9 +7,9 @@ use regex::Regex;
 use revisit::domain::difference::DifferenceReason;
 use revisit::domain::location::{Assumption, LocationVerdict, PoseSource};
 use revisit::domain::loop_warning::LoopWarningCode;
-use revisit::domain::named::Named;
 use revisit::domain::reason::{ReasonCheck, ReasonClass, ReasonCode};
 use revisit::http::document;
+use revisit::named::Named;
 use serde_json::{Value, json};
 
 fn read(path: &str) -> String {

@@ -24,6 +24,7 @@ const LAYERS: &[&[&str]] = &[
     &["vocabulary"],
     &["domain"],
     &["geometry", "semantics", "config"],
+    &["named"],
 ];
 
 /// A file above this is two concepts.

@@ -395,6 +395,27 @@ class SettingsWithoutAnchors(OpenEnum):
     GEOMETRY = "geometry"
 
 
+class TextKind(OpenEnum):
+    """What kind of text a description is. A description by a model or by hand is one, whatever its words."""
+
+    NAME = "name"
+    """A name with a number: '901', 'ML D 28', 'HUB 10', also of a floor."""
+    PROPER_NAME = "proper_name"
+    """A proper name beside a word for what it names: 'Meeting Room Turing'."""
+    NOTICE = "notice"
+    """A sentence or an instruction: 'Please keep this door closed'."""
+    COMMON_SIGN = "common_sign"
+    """A sign of every building: EXIT."""
+    DESCRIPTION = "description"
+    """A description of a thing by a sentence: 'a painting of a boat'."""
+    CODE = "code"
+    """A code: a fiducial marker, a UUID, a link, or any text of the map's `code_classes`."""
+    UNKNOWN = "unknown"
+    """None of these for all that is known: a word that the lexicon does not have may be a name, a notice,
+    a brand or noise.
+    """
+
+
 class Verdict(OpenEnum):
     """The answer to a loop query."""
 
@@ -467,6 +488,8 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The map's version; left out inside a list, which says it once."""
     description: str | None = None
     """Its description, if it has one."""
+    kind: TextKind | None = None
+    """What kind of text that is; left out without a description."""
     information_reason: str | None = None
     """One sentence for a person that says why it has that level; left out without a description."""
     numbering: list[str] | None = None
@@ -1367,6 +1390,8 @@ class LocalAnchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Its weight in Eq. (2), in 1/m."""
     description: str | None = None
     """Its description, if it has one."""
+    kind: TextKind | None = None
+    """What kind of text that is; left out without a description."""
 
 
 class LocalAnchorMap(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1734,6 +1759,8 @@ class Match(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The anchor of the query's local map; `inline-0` is the first detection of an inline keyframe."""
     candidate_anchor: str
     """The anchor of the candidate's local map."""
+    kind: TextKind
+    """The kind of the query's text."""
     level: int
     """SimilarityLevel of the two descriptions, 1 to 5."""
     source: str

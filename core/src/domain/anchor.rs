@@ -2,8 +2,8 @@
 
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
 use super::judged::CropReading;
-use super::named::named;
 use crate::geometry::Point3;
+use crate::named::named;
 
 /// One detection of one keyframe that feeds an anchor.
 #[derive(Clone, Debug, PartialEq)]

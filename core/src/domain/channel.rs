@@ -1,6 +1,6 @@
 //! Channels: the ways in which candidates are found.
 
-use super::named::named;
+use crate::named::named;
 
 named! {
     /// A way in which candidates are found.

@@ -1,7 +1,7 @@
 //! Difference: identifiers of two local anchor maps that differ, and why that did not count as a contradiction.
 
 use super::anchor_name::AnchorName;
-use super::named::named;
+use crate::named::named;
 
 /// A pair of anchors of one class whose identifiers differ, and which did not stop the candidate.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::ids::{KeyframeId, SessionId};
 use super::keyframe::Stamp;
-use super::named::named;
+use crate::named::named;
 
 /// The request for an erasure: keyframes or whole sessions, never both.
 #[derive(Clone, Debug, PartialEq, Eq)]

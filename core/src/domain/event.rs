@@ -1,7 +1,7 @@
 //! Events: changes of a map that listeners are notified of.
 
 use super::ids::{AnchorSeq, KeyframeId, LoopId, SessionId};
-use super::named::named;
+use crate::named::named;
 
 named! {
     /// The kinds of events.

@@ -1,7 +1,7 @@
 //! A global descriptor: one vector of a whole image, by a model that the client ran.
 
 use super::ids::GlobalModelId;
-use super::named::named;
+use crate::named::named;
 
 named! {
     /// The form of a global descriptor's numbers, and so the measure of their likeness.

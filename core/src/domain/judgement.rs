@@ -1,7 +1,7 @@
 //! Judgements: jobs that ask a changed model again about what a map's verdicts say.
 
 use super::ids::{JudgementId, KeyframeSeq};
-use super::named::named;
+use crate::named::named;
 
 named! {
     /// The verdicts that a job asks for again.

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::ids::MapId;
 use super::keyframe::Stamp;
-use super::named::named;
+use crate::named::named;
 
 named! {
     /// An action that a key may permit.

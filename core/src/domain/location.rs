@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use super::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use super::key::MapPattern;
 use super::keyframe::NewKeyframe;
-use super::named::named;
 use super::reason::Reason;
 use super::verdict::Candidate;
 use crate::geometry::{Point3, Pose};
+use crate::named::named;
 
 /// Keyframes of one question, at most.
 pub const ASKED_KEYFRAMES_MAX: usize = 16;

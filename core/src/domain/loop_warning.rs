@@ -1,6 +1,6 @@
 //! Loop warning: what speaks against a loop that a client confirms. The client decides; the warning says so once.
 
-use super::named::named;
+use crate::named::named;
 
 /// The reason why a confirmed loop may be wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -16,7 +16,6 @@
 //! | the ways in which candidates are found | [`channel`] |
 //! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
 //! | the answer to "where am I?" | [`location`] |
-//! | enums with names for programs and meanings for people | [`named`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
@@ -49,7 +48,6 @@ pub mod location;
 pub mod loop_warning;
 pub mod map;
 pub mod method;
-pub mod named;
 pub mod named_detection;
 pub mod observation_update;
 pub mod point_list;

@@ -6,7 +6,7 @@
 
 use self::ReasonCheck::{Anchors, Geometry, Query, Words};
 use self::ReasonClass::{Accepts, Depends, Rejects, Undecided, Waits};
-use super::named::{Named, named};
+use crate::named::{Named, named};
 
 /// The check that decided, with what it measured and what it asked for.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use super::keyframe::{NewKeyframe, Stamp};
 use super::map::{Learned, MapProperties};
 use super::prior::Prior;
 use crate::geometry::{Aabb, Point3, Pose};
+use crate::semantics::TextKind;
 
 /// A map at one version.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +93,8 @@ pub struct AnchorReport {
     pub state: AnchorState,
     /// Its description.
     pub description: Option<String>,
+    /// The kind of that.
+    pub kind: Option<TextKind>,
     /// The source of its description: `readings`, `operator` or `plan`.
     pub description_source: &'static str,
     /// The identifiers found in the description.

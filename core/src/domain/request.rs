@@ -5,12 +5,12 @@ use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, ReleaseName
 use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
-use super::named::named;
 use super::named_detection::NamedDetection;
 use super::release::MapBase;
 use super::settings::SettingValue;
 use super::verdict::Verify;
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
+use crate::named::named;
 
 /// Digest of a request: tells a retry from another request under the same id.
 pub type Digest = [u8; 32];

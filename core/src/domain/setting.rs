@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::named::Named;
+use crate::named::Named;
 use crate::semantics::{Numbering, PatternError};
 
 /// The type of a setting's value, with default and bounds.

@@ -7,9 +7,9 @@
 use std::f64::consts::FRAC_PI_3;
 
 use self::SettingSource::{OrbSlam, Ours, Paper, Storage};
-use super::named::named;
 use super::setting::Field;
 pub use super::setting::{Setting, SettingError, SettingKind, SettingSource, SettingValue};
+use crate::named::named;
 
 named! {
     /// The decision on a candidate when either local anchor map is empty: §V-B leaves 0/0 open.

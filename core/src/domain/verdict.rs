@@ -4,10 +4,11 @@ pub use super::anchor_name::AnchorName;
 use super::channel::ProposedBy;
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
-use super::named::named;
 use super::reason::ReasonClass;
 pub use super::reason::{Reason, ReasonCode};
 use crate::geometry::{Bearing, Sim3};
+use crate::named::named;
+use crate::semantics::TextKind;
 
 named! {
     /// The answer to a loop query.
@@ -63,6 +64,8 @@ pub struct MatchEvidence {
     pub query_anchor: AnchorName,
     /// The anchor of the candidate's local map.
     pub candidate_anchor: AnchorName,
+    /// The kind of the query's text.
+    pub kind: TextKind,
     /// SimilarityLevel of the two descriptions, 1 to 5.
     pub level: u8,
     /// The judge.
@@ -234,6 +237,8 @@ pub struct LocalAnchorReport {
     pub state: super::anchor::AnchorState,
     /// Its description, if it has one.
     pub description: Option<String>,
+    /// The kind of that.
+    pub kind: Option<TextKind>,
     /// Its bearing and distance from the central keyframe.
     pub bearing: Bearing,
     /// Its weight in Eq. (2).

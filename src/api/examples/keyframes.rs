@@ -133,7 +133,7 @@ pub fn local_anchor_map() -> Value {
         "keyframe": "kf-120",
         "map_version": 412,
         "anchors": [{
-            "anchor": "a-7", "class": "door_number", "state": "valid", "description": "901",
+            "anchor": "a-7", "class": "door_number", "state": "valid", "description": "901", "kind": "name",
             "bearing": [0.0, 0.0, 1.0], "distance_m": 2.0, "weight": 0.5
         }]
     })

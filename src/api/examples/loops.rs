@@ -26,7 +26,7 @@ pub fn loop_answer() -> Value {
                 "anchors": {
                     "similarity": 0.71, "threshold": 0.3, "in_query": 4, "in_candidate": 3, "pending": 0,
                     "matches": [{
-                        "query_anchor": "a-7", "candidate_anchor": "a-2", "level": 5, "source": "identical",
+                        "query_anchor": "a-7", "candidate_anchor": "a-2", "kind": "name", "level": 5, "source": "identical",
                         "angle_difference_rad": 0.1, "distance_difference_m": 0.3, "weight": 1.2
                     }],
                     "contradictions": [],

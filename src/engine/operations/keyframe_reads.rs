@@ -102,6 +102,7 @@ impl Service {
                 class: anchor.class.into(),
                 state: anchor.state,
                 description: anchor.description.map(Into::into),
+                kind: anchor.kind,
                 bearing: anchor.bearing,
                 weight: anchor.weight,
             };

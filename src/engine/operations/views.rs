@@ -37,6 +37,7 @@ pub(in crate::engine) fn anchor_with(
         class: index.class_of(object).to_owned(),
         state: object.state,
         description: description.map(|description| description.raw.to_string()),
+        kind: description.map(|description| description.kind),
         description_source: match description {
             Some(description) if description.by_hand => "operator",
             _ if index.anchor(seq)?.prior.is_some() => "plan",

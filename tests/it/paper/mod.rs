@@ -17,6 +17,7 @@ mod differences;
 mod distinctive;
 mod equation;
 mod inline;
+mod kinds;
 mod levels;
 mod local_map;
 mod matching;

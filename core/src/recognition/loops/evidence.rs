@@ -19,6 +19,7 @@ use crate::recognition::extensions::vouching::Voucher;
 use crate::recognition::extensions::worst_case::WorstCase;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::{Failure, Status, Verification};
+use crate::semantics::TextKind;
 
 /// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (M36).
 /// S counts as 0 where all that agrees hangs in several places, for it says nothing of which.
@@ -69,6 +70,8 @@ pub(in crate::recognition) fn anchors(
             .map(|pair| MatchEvidence {
                 query_anchor: pair.query.name.public(),
                 candidate_anchor: pair.candidate.name.public(),
+                // Only described anchors match.
+                kind: pair.query.kind.unwrap_or(TextKind::Unknown),
                 level: pair.level,
                 source: pair.source.as_str().to_owned(),
                 angle_difference_rad: pair.query.bearing.angle_difference_rad(&pair.candidate.bearing),

@@ -1,5 +1,6 @@
 //! The kind of a text: what it may be evidence of (M22).
 
+use crate::named::named;
 use crate::semantics::judge::information::{Information, specific};
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::role;
@@ -13,23 +14,24 @@ const NAME_WORDS_MAX: usize = 4;
 /// Words from which on a text that also has grammar is a sentence.
 const NOTICE_WORDS_MIN: usize = 3;
 
-/// What kind of text a description is. A description by a model or by hand is one, whatever its words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TextKind {
-    /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
-    Name,
-    /// A proper name beside a word for what it names: "Meeting Room Turing".
-    ProperName,
-    /// A sentence or an instruction: "Please keep this door closed".
-    Notice,
-    /// A sign of every building: EXIT.
-    CommonSign,
-    /// A description of a thing by a sentence: "a painting of a boat".
-    Description,
-    /// A code: a fiducial marker, a UUID, a link.
-    Code,
-    /// Nobody can tell: a word that the lexicon does not have may be a name, a notice, a brand or noise.
-    Unknown,
+named! {
+    /// What kind of text a description is. A description by a model or by hand is one, whatever its words.
+    TextKind {
+        /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
+        Name = "name",
+        /// A proper name beside a word for what it names: "Meeting Room Turing".
+        ProperName = "proper_name",
+        /// A sentence or an instruction: "Please keep this door closed".
+        Notice = "notice",
+        /// A sign of every building: EXIT.
+        CommonSign = "common_sign",
+        /// A description of a thing by a sentence: "a painting of a boat".
+        Description = "description",
+        /// A code: a fiducial marker, a UUID, a link, or any text of the map's `code_classes`.
+        Code = "code",
+        /// None of these for all that is known: a word that the lexicon does not have may be a name, a notice, a brand or noise.
+        Unknown = "unknown",
+    }
 }
 
 impl TextKind {
@@ -38,19 +40,6 @@ impl TextKind {
         match self {
             Self::Name | Self::Code | Self::CommonSign => self,
             Self::ProperName | Self::Notice | Self::Description | Self::Unknown => Self::Description,
-        }
-    }
-
-    /// Returns the name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Name => "name",
-            Self::ProperName => "proper_name",
-            Self::Notice => "notice",
-            Self::CommonSign => "common_sign",
-            Self::Description => "description",
-            Self::Code => "code",
-            Self::Unknown => "unknown",
         }
     }
 }

@@ -53,11 +53,11 @@ macro_rules! named {
 
             /// Returns the value of a name.
             pub fn from_name(name: &str) -> Option<Self> {
-                <Self as $crate::domain::named::Named>::of_name(name)
+                <Self as $crate::named::Named>::of_name(name)
             }
         }
 
-        impl $crate::domain::named::Named for $type {
+        impl $crate::named::Named for $type {
             const ABOUT: &'static str = concat!($($about),+).trim_ascii();
             const VALUES: &'static [Self] = &Self::ALL;
             const NAMES: &'static [&'static str] = Self::NAMES;
@@ -77,7 +77,7 @@ macro_rules! named {
     ($(#[doc = $about:literal])+ $type:ident: $words:ty {
         $($(#[doc = $meaning:literal])+ $value:ident = $name:literal, $row:expr;)+
     }) => {
-        $crate::domain::named::named! {
+        $crate::named::named! {
             $(#[doc = $about])+
             $type { $($(#[doc = $meaning])+ $value = $name,)+ }
         }
