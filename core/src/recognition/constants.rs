@@ -43,6 +43,12 @@ const ANCHORS: &[Constant] = &[
         "ours: values of one shape, each read alike in two keyframes or more, that make a numbering",
     ),
     constant(
+        "numbering.shown_values",
+        semantics::SHOWN_FROM_VALUES as f64,
+        "1",
+        "ours: values of one shape, read so, beside which numbers of other shapes with fewer values are of unknown kind",
+    ),
+    constant(
         "information.specific_words",
         semantics::ENOUGH_SPECIFIC_WORDS as f64,
         "1",
