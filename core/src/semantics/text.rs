@@ -165,9 +165,13 @@ impl Text {
         }
     }
 
-    /// Whether a description reads like this one: it has the same [gist](Self::gist).
+    /// Whether a description reads like this one: it has the same [gist](Self::gist). Parses it only where names are compared.
     pub fn reads_as(&self, raw: &str) -> bool {
-        normalise::fold(&normalise::clean(raw)) == self.normalised || *Text::parse(raw).gist == *self.gist
+        match (self.kind, self.own.is_some() || self.foreign.is_some()) {
+            (TextKind::Code, _) => code::exact(raw) == self.normalised,
+            (_, true) => *Text::parse(raw).gist == *self.gist,
+            (_, false) => normalise::fold(&normalise::clean(raw)) == self.normalised,
+        }
     }
 
     /// Returns the canonical form; equal forms are identical descriptions.

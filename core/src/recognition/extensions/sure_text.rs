@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::changed_signs::is_alike;
 use super::passage::share_passage;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
@@ -41,13 +42,7 @@ pub fn passages_read_alike(index: &MapIndex, root: AnchorSeq) -> usize {
 
 /// Returns the keyframes that read an object as it is called, ascending.
 fn read_alike(index: &MapIndex, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
-    let Some(description) = &object.description else { return BTreeSet::new() };
-    // Most are written alike, and need no folding.
-    let is_alike = |reading: &str| *reading == *description.raw || description.text.reads_as(reading);
     let anchors = object.members.iter().filter_map(|member| index.anchor(*member));
-    let alike = anchors.flat_map(|anchor| anchor.observations.values()).filter(|observation| {
-        let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);
-        observation.reading.as_deref().into_iter().chain(by_model).any(is_alike)
-    });
-    alike.map(|observation| observation.keyframe).collect()
+    let observations = anchors.flat_map(|anchor| anchor.observations.values());
+    observations.filter(|seen| is_alike(object, seen)).map(|seen| seen.keyframe).collect()
 }

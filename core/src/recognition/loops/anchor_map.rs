@@ -47,7 +47,7 @@ pub struct LocalAnchor {
     pub description: Option<Box<str>>,
     /// The same, parsed.
     pub text: Option<Arc<Text>>,
-    /// What kind of text it is, if it is described.
+    /// The kind of the text, if it is described.
     pub kind: Option<TextKind>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,

@@ -44,7 +44,7 @@ impl TextKind {
     }
 }
 
-/// What was found of a text.
+/// Findings about a text that tell its kind.
 pub struct Found<'t> {
     /// The text with its capitals.
     pub clean: &'t str,
@@ -60,7 +60,7 @@ pub struct Found<'t> {
     pub words: &'t [Word],
     /// Those of its words that are denied.
     pub negated: &'t [Word],
-    /// How much it tells.
+    /// Its InformationLevel.
     pub information: &'t Information,
 }
 

@@ -23,7 +23,7 @@ pub enum PartKind {
 /// A part of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// What it is made of.
+    /// Letters or digits.
     pub kind: PartKind,
     /// Latin capitals, or digits without leading zeros.
     pub text: Box<str>,

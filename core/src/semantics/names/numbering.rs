@@ -38,7 +38,7 @@ pub enum PatternError {
     Syntax(usize, String),
 }
 
-/// How the names of one building are written.
+/// Ways in which the names of one building are written.
 #[derive(Clone, Debug, Default)]
 pub struct Numbering {
     /// Shapes of whole names. Empty as long as none is learned.
@@ -57,7 +57,7 @@ impl PartialEq for Numbering {
     }
 }
 
-/// What a name is in a building.
+/// Standing of a name in a building.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::semantics) enum Standing {
     /// A whole name, for all that is known.

@@ -1,10 +1,10 @@
-//! How two names relate: the same, different, unsure or open.
+//! Relations of two names: the same, different, unsure or open.
 
 use crate::semantics::lexicon::role::Role;
 use crate::semantics::names::name::{Name, Part, PartKind, look_alike_digit};
 use crate::semantics::text::Text;
 
-/// What two names say of each other. Of several names, the first of these that holds decides.
+/// Relation of two names. Of several names, the one of the lowest level decides.
 #[derive(Clone, Copy, Debug)]
 pub enum Relation<'n> {
     /// A part that both have differs: they exclude each other (level 1).
@@ -45,17 +45,6 @@ impl Relation<'_> {
             Self::Same(..) => 5,
         }
     }
-
-    fn rank(&self) -> u8 {
-        match self {
-            Self::Different(_) => 0,
-            Self::PoorlyRead(..) => 1,
-            Self::Unsure(..) => 2,
-            Self::Open(..) => 3,
-            Self::SameButZeros(..) => 4,
-            Self::Same(..) => 5,
-        }
-    }
 }
 
 /// Compares all names of two texts: of the objects, and of the parts of a building around them. None if one text has no name.
@@ -77,7 +66,7 @@ pub fn relate<'n>(a: &'n Text, b: &'n Text) -> Option<Relation<'n>> {
     });
     let only_b = b.containers.iter().filter(|(role, _)| of(a, role).is_none());
     let only_b = only_b.map(|(_, name)| Relation::Open(None, Some(name)));
-    own.into_iter().chain(containers).chain(only_b).min_by_key(Relation::rank)
+    own.into_iter().chain(containers).chain(only_b).min_by_key(Relation::level)
 }
 
 /// Compares two names of objects, or of parts of a building of one kind. Symmetric.

@@ -46,10 +46,10 @@ pub enum What {
     Article(String),
 }
 
-/// What a text says, token by token.
+/// Reading of a text, token by token.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// What its tokens say, in order.
+    /// Mentions, in order.
     pub mentions: Vec<Mention>,
     /// Whether it describes in a sentence what a sign looks like, so that not all of its words are on the sign.
     pub is_caption: bool,

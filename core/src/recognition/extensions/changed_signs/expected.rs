@@ -58,7 +58,7 @@ impl Sign {
         for anchor in object.members.iter().filter_map(|member| index.anchor(*member)) {
             let newest = anchor.observations.values().rev().filter_map(|seen| {
                 let keyframe = index.keyframe(seen.keyframe)?;
-                let reads = keyframe.session == session && is_alike(index, object, seen);
+                let reads = keyframe.session == session && is_alike(object, seen);
                 reads.then(|| (seen.keyframe, keyframe.map_from_camera.centre()))
             });
             views.extend(newest.take(VIEWS_MAX));

@@ -30,7 +30,7 @@ pub(super) fn reads_alike(
     sightings(index, object, keyframe).any(|sighting| {
         let is_itself = object.members.contains(&sighting.seq);
         let is_near = || centre.is_some_and(|centre| sighting.is_within(session, &centre, near_m));
-        is_alike(index, object, sighting.seen) && (is_itself || is_near())
+        is_alike(object, sighting.seen) && (is_itself || is_near())
     })
 }
 
@@ -57,12 +57,10 @@ impl Sighting<'_> {
 }
 
 /// Whether a detection was read as the object is called.
-pub(super) fn is_alike(index: &MapIndex, object: &MergedAnchor, seen: &Observation) -> bool {
+pub(in crate::recognition::extensions) fn is_alike(object: &MergedAnchor, seen: &Observation) -> bool {
     let Some(description) = &object.description else { return false };
-    let numbering = index.readings().numbering(index.class_of(object));
-    let is_alike = |reading: &str| {
-        *reading == *description.raw || Text::under(reading, numbering).gist() == description.text.gist()
-    };
+    // Most are written alike.
+    let is_alike = |reading: &str| *reading == *description.raw || description.text.reads_as(reading);
     readings(seen).any(is_alike)
 }
 

@@ -15,7 +15,7 @@ pub struct ParsedReading {
     pub normalised: Box<str>,
     /// Its names in their one spelling, or its normal form.
     pub gist: Box<str>,
-    /// How its name is written, if it has a number.
+    /// The shape of its name, if it has a number.
     pub shape: Option<Shape>,
     /// Whether it says anything.
     pub is_informative: bool,

@@ -118,16 +118,17 @@ impl Votes {
     /// Returns the reading with the most weight; of equals, the newest. Spellings of one name are one reading, and where the
     /// numbering knows names of more parts, one that lacks some supports those and outvotes none.
     pub fn elected(&self, numbering: Option<&Numbering>) -> Option<Elected> {
-        let mut readings: BTreeMap<&str, Tally> = BTreeMap::new();
+        let mut by_gist: BTreeMap<&str, Tally> = BTreeMap::new();
         for tally in self.tallies.values() {
-            let known = readings.get_mut(&*tally.gist).map(|reading| reading.add(tally));
-            if known.is_none() {
-                readings.insert(&tally.gist, tally.clone());
-            }
+            by_gist
+                .entry(&tally.gist)
+                .and_modify(|reading| reading.add(tally))
+                .or_insert_with(|| tally.clone());
         }
-        let readings: Vec<Tally> = readings.into_values().collect();
-        let whole = numbering.filter(|numbering| readings.len() > 1 && numbering.tells_parts());
-        let readings = whole.map_or_else(|| readings.clone(), |numbering| with_support(&readings, numbering));
+        let mut readings: Vec<Tally> = by_gist.into_values().collect();
+        if let Some(numbering) = numbering.filter(|numbering| readings.len() > 1 && numbering.tells_parts()) {
+            readings = with_support(readings, numbering);
+        }
         let best = readings.into_iter().max_by_key(Tally::rank)?;
         let weight = best.units as f64 / UNITS_PER_CONFIDENCE;
         Some(Elected { text: best.text, count: best.count, described: best.described, weight })
@@ -190,17 +191,17 @@ impl Votes {
 }
 
 /// Returns the readings of which none lacks parts, if there are such, each with the votes of those that do.
-fn with_support(readings: &[Tally], numbering: &Numbering) -> Vec<Tally> {
-    let texts: Vec<Text> =
-        readings.iter().map(|reading| Text::under(&reading.text, Some(numbering))).collect();
-    let (mut whole, partial): (Vec<_>, Vec<_>) =
-        readings.iter().cloned().zip(&texts).partition(|(_, text)| !text.is_partial());
-    if whole.iter().all(|(reading, _)| !reading.informative) {
-        return readings.to_vec();
+fn with_support(readings: Vec<Tally>, numbering: &Numbering) -> Vec<Tally> {
+    let under = |reading: Tally| (Text::under(&reading.text, Some(numbering)), reading);
+    let (partial, mut whole): (Vec<_>, Vec<_>) =
+        readings.into_iter().map(under).partition(|(text, _)| text.is_partial());
+    if whole.iter().all(|(_, reading)| !reading.informative) {
+        whole.extend(partial);
+    } else {
+        for (of_part, part) in partial {
+            let supported = whole.iter_mut().filter(|(text, _)| of_part.is_part_of(text));
+            supported.for_each(|(_, reading)| reading.units += part.units);
+        }
     }
-    for (part, of_part) in partial {
-        let supported = whole.iter_mut().filter(|(_, text)| of_part.is_part_of(text));
-        supported.for_each(|(reading, _)| reading.units += part.units);
-    }
-    whole.into_iter().map(|(reading, _)| reading).collect()
+    whole.into_iter().map(|(_, reading)| reading).collect()
 }
