@@ -132,6 +132,7 @@ async fn of_server(sends: Sends, keyframes: u32) {
                 verify: Verify::Auto,
                 max_wait_ms: 0,
                 seed: 0,
+                again: false,
             };
             service.loop_query(&map, query).await.expect("an answer");
         }

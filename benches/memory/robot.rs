@@ -88,7 +88,7 @@ impl Robot {
             vocabulary: Some(CLIENTS_VOCABULARY.into()),
             features: (self.sends.features > 0).then(|| self.features()),
             map_points: (known..self.next_point).chain(placed).map(|id| (id, position(id))).collect(),
-            covisible: Vec::new(),
+            covisible: None,
             detections: (0..self.sends.detections).map(|side| detection(number, side, centre)).collect(),
             observes,
         }

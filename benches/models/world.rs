@@ -111,7 +111,7 @@ pub fn keyframe(
 ) -> NewKeyframe {
     let pose = Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
     NewKeyframe {
-        covisible: covisible.iter().map(|name| (name.parse().expect("an id"), 50)).collect(),
+        covisible: Some(covisible.iter().map(|name| (name.parse().expect("an id"), 50)).collect()),
         detections: vec![Detection {
             position_in_session: Some(Point3::new(at[0], at[1], at[2])),
             description: Some(text),

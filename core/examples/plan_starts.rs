@@ -140,7 +140,7 @@ fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng)
         let id = format!("kf-{number}").parse().expect("an id");
         let mut keyframe = NewKeyframe::at(id, Stamp { sec: number as i64, nanosec: 0 }, pose);
         if covisible && number > 0 {
-            keyframe.covisible = vec![(format!("kf-{}", number - 1).parse().expect("an id"), 50)];
+            keyframe.covisible = Some(vec![(format!("kf-{}", number - 1).parse().expect("an id"), 50)]);
         }
         for sign in signs.iter().filter(|sign| sign.frame == frame) {
             let distance = (sign.at - place).norm();

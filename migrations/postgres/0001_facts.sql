@@ -70,7 +70,8 @@ create table keyframes (
     observes bytea not null,
     sent_points bytea not null,
     -- uint32 pairs (keyframe, shared).
-    declared bytea not null,
+    -- Without one the client did not say what is covisible.
+    declared bytea,
     bow_words bytea not null,
     bow_weights bytea not null,
     digest bytea not null,
@@ -536,7 +537,8 @@ create table keyframe_points (
     renamed_from bytea not null,
     renamed_to bytea not null,
     -- uint32 pairs (keyframe, shared).
-    declared bytea not null,
+    -- Without one the client did not say what is covisible.
+    declared bytea,
     -- What the keyframe takes, as keyframes.bytes counts it.
     bytes bigint not null,
     renames_all bigint not null default 0,

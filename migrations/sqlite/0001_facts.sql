@@ -84,7 +84,8 @@ create table keyframes (
     observes blob not null,
     sent_points blob not null,
     -- uint32 pairs (keyframe, shared).
-    declared blob not null,
+    -- Without one the client did not say what is covisible.
+    declared blob,
     -- Columns of words, ascending, and of weights in units of 2^-31.
     bow_words blob not null,
     bow_weights blob not null,
@@ -605,7 +606,8 @@ create table keyframe_points (
     renamed_from blob not null,
     renamed_to blob not null,
     -- uint32 pairs (keyframe, shared).
-    declared blob not null,
+    -- Without one the client did not say what is covisible.
+    declared blob,
     -- What the keyframe takes, as keyframes.bytes counts it.
     bytes integer not null,
     -- Whether a feature sent with a point that renamed_from does not list observes none.

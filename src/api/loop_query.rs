@@ -36,17 +36,23 @@ pub struct LoopQueryBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0)]
     pub seed: Option<i64>,
+    /// Whether a loop that repeats a confirmed one is a `loop`, too, and not `already_closed`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(default = false)]
+    pub again: Option<bool>,
 }
 
 impl Decode for LoopQuery {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["keyframe", "inline", "release", "verify", "max_wait_ms", "seed"])?;
+        let body =
+            node.object(&["keyframe", "inline", "release", "verify", "max_wait_ms", "seed", "again"])?;
         let stored = body.optional("keyframe", read::id);
         let inline = body.optional("inline", keyframe::unnamed);
         let release = body.optional("release", read::id);
         let verify = body.optional("verify", |node| node.choice(Verify::NAMES, Verify::from_name));
         let max_wait_ms = body.optional("max_wait_ms", |node| node.whole(limits::MAX_WAIT_MS));
         let seed = body.optional("seed", |node| node.whole(limits::SEED));
+        let again = body.optional("again", read::switch);
         if body.has("keyframe") == body.has("inline") {
             return node.refuse("ask about one keyframe", "either \"keyframe\" or \"inline\"");
         }
@@ -60,6 +66,7 @@ impl Decode for LoopQuery {
             verify: verify?.unwrap_or_default(),
             max_wait_ms: max_wait_ms?.unwrap_or(0).unsigned_abs(),
             seed: seed?.unwrap_or(0).unsigned_abs(),
+            again: again?.unwrap_or(false),
         })
     }
 }

@@ -235,6 +235,7 @@ fn the_digest_is_of_the_facts_whatever_their_order_and_changes_with_each_of_them
         ("/map_points/positions/0/0", json!(7.5)),
         ("/observes/0", json!(99)),
         ("/covisible/0/shared", json!(1)),
+        ("/covisible", json!([])),
         ("/detections/0/text", json!("another")),
     ];
     for (place, value) in changes {
@@ -254,7 +255,7 @@ fn the_form_of_the_digest_never_changes() {
         let _ = write!(hex, "{byte:02x}");
         hex
     });
-    assert_eq!(hex, "a128e8536426e910b4e6ed5de53f42b1350ede5131ad08a85f6986fb3b1b2e9a");
+    assert_eq!(hex, "1b80ee8331b6d61803d53d19990717cc61bf889d882d39777dd4fa1b514b7d23");
 }
 
 #[test]

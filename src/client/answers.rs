@@ -3,7 +3,8 @@
 use std::cmp::Ordering;
 
 use crate::api::geometry::{GeometryModel, GeometryView, Similarity};
-use crate::api::verdict::{CandidateView, LoopAnswer};
+use crate::api::verdict::{CandidateView, LoopAnswer, ReasonView};
+use crate::domain::reason::ReasonCode;
 
 impl LoopAnswer {
     /// Returns the candidate that the answer is about: `best`, or the one that came nearest to being it, an undecided one before
@@ -12,6 +13,20 @@ impl LoopAnswer {
         match &self.best {
             Some(best) => self.candidate(best),
             None => self.candidates.iter().max_by(|a, b| a.nearness(b)),
+        }
+    }
+
+    /// Returns the candidate of a loop that was not told because its return is closed already.
+    pub fn repeated(&self) -> Option<&CandidateView> {
+        let repeats = |reason: &ReasonView| reason.code.0 == ReasonCode::AlreadyClosed;
+        self.candidates.iter().find(|candidate| candidate.reason.as_ref().is_some_and(repeats))
+    }
+
+    /// Returns the place that the answer names: the best loop, or the one whose return is closed already.
+    pub fn place(&self) -> Option<&CandidateView> {
+        match &self.best {
+            Some(best) => self.candidate(best),
+            None => self.repeated(),
         }
     }
 

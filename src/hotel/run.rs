@@ -15,7 +15,6 @@ use super::sequence::Sequence;
 use crate::api::verdict::{CandidateView, LoopAnswer};
 use crate::client::Client;
 use crate::domain::reason::ReasonCode;
-use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 
@@ -231,9 +230,9 @@ fn ranked(
         if arm == Method::BagOfWords { ReasonCode::TooFewInliers } else { ReasonCode::ScoreBelowThreshold };
     let is_near =
         |candidate: &&CandidateView| candidate.reason.as_ref().is_some_and(|r| r.code.0 == threshold);
-    let first = match answer.verdict.0 {
-        Decision::Loop => answer.leading()?,
-        _ => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
+    let first = match answer.place() {
+        Some(place) => place,
+        None => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
     };
     let keyframe = find(&first.keyframe)?;
     let is_right = answerable.truth.contains(&keyframe);

@@ -80,7 +80,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
             camera: None,
             gravity: None,
             observes: Vec::new().into(),
-            declared: [].into(),
+            declared: None,
             renamed: None,
             bytes: new.bytes(),
         };
@@ -101,7 +101,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         keyframe: first,
         // Points that no step forgets.
         observes: vec![43, 45].into(),
-        declared: [].into(),
+        declared: None,
         renamed: Renamed { pairs: [(44, 45)].into(), is_complete: false },
         bytes: 100,
     };

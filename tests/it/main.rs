@@ -47,6 +47,7 @@ mod trajectories;
 mod transfers;
 mod trust;
 mod try_it;
+mod two_laps;
 mod untaken;
 #[cfg(feature = "hotel")]
 mod verdicts;

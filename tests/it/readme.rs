@@ -1,13 +1,10 @@
 //! The README's commands are run, and their answers are those that it shows.
 
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{Server, assert_part_of};
-
-const SHOWN_ADDRESS: &str = "http://127.0.0.1:7878";
+use crate::support::{Server, assert_part_of, curl};
 
 /// The README is one page.
 const LINES_MAX: usize = 160;
@@ -36,15 +33,6 @@ fn blocks(readme: &str) -> Vec<(String, String)> {
         }
     }
     blocks
-}
-
-/// Runs a shell's curl against the server in place of the address that is shown.
-async fn curl(server: &Server, text: &str) -> Value {
-    let command = text.replace(SHOWN_ADDRESS, &server.url("")).replace("curl ", "curl -s ");
-    let run = move || Command::new("sh").arg("-c").arg(command).output();
-    let output = tokio::task::spawn_blocking(run).await.unwrap().unwrap();
-    let answer = serde_json::from_slice(&output.stdout);
-    answer.unwrap_or_else(|_| panic!("{text}\n{}", String::from_utf8_lossy(&output.stdout)))
 }
 
 #[tokio::test]

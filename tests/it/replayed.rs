@@ -15,7 +15,8 @@ fn keyframe(id: &str, seconds: u32, signs: &[&str]) -> Value {
                 "position": [f64::from(index) * 2.0, 0.0, 3.0]})
         })
         .collect();
-    let body = json!({"stamp": {"sec": seconds, "nanosec": 0}, "pose": pose([0.0, 0.0, 0.0]), "detections": detections});
+    let body = json!({"stamp": {"sec": seconds, "nanosec": 0}, "pose": pose([0.0, 0.0, 0.0]), "covisible": [],
+        "detections": detections});
     json!({"op": "keyframe", "id": id, "body": body})
 }
 

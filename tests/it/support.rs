@@ -308,9 +308,18 @@ fn client() -> reqwest::Client {
     reqwest::Client::builder().no_proxy().build().expect("a client")
 }
 
+/// Runs a shell's curl against the server in place of the address that is shown.
+pub async fn curl(server: &Server, text: &str) -> Value {
+    let command = text.replace("http://127.0.0.1:7878", &server.url("")).replace("curl ", "curl -s ");
+    let run = move || std::process::Command::new("sh").arg("-c").arg(command).output();
+    let output = tokio::task::spawn_blocking(run).await.unwrap().unwrap();
+    let answer = serde_json::from_slice(&output.stdout);
+    answer.unwrap_or_else(|_| panic!("{text}\n{}", String::from_utf8_lossy(&output.stdout)))
+}
+
 /// The smallest keyframe: at the origin, looking along z.
 pub fn keyframe() -> Value {
-    json!({"stamp": {"sec": 1, "nanosec": 0}, "pose": pose([0.0, 0.0, 0.0])})
+    json!({"stamp": {"sec": 1, "nanosec": 0}, "pose": pose([0.0, 0.0, 0.0]), "covisible": []})
 }
 
 /// A pose at a place, without rotation.

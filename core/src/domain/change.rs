@@ -10,7 +10,7 @@ use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
-pub use super::observation_update::{KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
+pub use super::observation_update::{Declared, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
 use super::point_list::PointList;
 use super::prior::Prior;
 pub use super::session_merge::{MergeUndo, SessionMerge};
@@ -35,13 +35,20 @@ pub struct Keyframe {
     pub gravity: Option<Gravity>,
     /// The map points it observes, ascending.
     pub observes: PointList,
-    /// Covisible keyframes declared by the client, each with its number of shared points.
-    pub declared: Box<[(KeyframeSeq, u32)]>,
+    /// What the client declared of its covisible keyframes.
+    pub declared: Declared,
     /// The map points that its features were sent with and that are others now; `None` as long as the client has not changed
     /// what it observes.
     pub renamed: Option<Renamed>,
     /// Its size on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
     pub bytes: u64,
+}
+
+impl Keyframe {
+    /// Returns the covisible keyframes that the client declared.
+    pub fn declared(&self) -> &[(KeyframeSeq, u32)] {
+        self.declared.as_deref().unwrap_or_default()
+    }
 }
 
 /// The reason why two anchors are one.

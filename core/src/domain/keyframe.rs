@@ -14,6 +14,15 @@ pub struct Stamp {
     pub nanosec: u32,
 }
 
+impl Stamp {
+    /// Returns the time between two moments, in seconds.
+    pub fn gap_s(self, other: Self) -> f64 {
+        // Seconds of two epochs may be far apart; as floats they cannot overflow.
+        let whole_s = self.sec as f64 - other.sec as f64;
+        (whole_s + (f64::from(self.nanosec) - f64::from(other.nanosec)) * 1e-9).abs()
+    }
+}
+
 /// The name of whatever vocabulary a client uses, if it does not say.
 pub const CLIENTS_VOCABULARY: &str = "client";
 
@@ -154,8 +163,9 @@ pub struct NewKeyframe {
     pub map_points: Vec<(PointId, Point3)>,
     /// Every map point it observes, ascending: `observes` and `features.map_points` together.
     pub observes: Vec<PointId>,
-    /// Covisible keyframes that the client declares, each with its number of shared points.
-    pub covisible: Vec<(KeyframeId, u32)>,
+    /// Covisible keyframes that the client declares, each with its number of shared points. An empty list says that there are
+    /// none, `None` that the client does not know.
+    pub covisible: Option<Vec<(KeyframeId, u32)>>,
     /// The objects detected in it.
     pub detections: Vec<Detection>,
 }
@@ -180,9 +190,14 @@ impl NewKeyframe {
             features: None,
             map_points: Vec::new(),
             observes: Vec::new(),
-            covisible: Vec::new(),
+            covisible: None,
             detections: Vec::new(),
         }
+    }
+
+    /// Returns the covisible keyframes that the client declares.
+    pub fn declared(&self) -> &[(KeyframeId, u32)] {
+        self.covisible.as_deref().unwrap_or_default()
     }
 
     /// Returns what it takes on disk, in bytes: its lists, features, crops, names and texts. A map's quota counts
@@ -199,7 +214,7 @@ impl NewKeyframe {
             + self.gravity.map_or(0, |_| GRAVITY)
             + self.global_descriptor.as_ref().map_or(0, GlobalDescriptor::bytes);
         let numbers =
-            self.observes.len() + self.map_points.len() + self.covisible.len() + self.bow.words().len();
+            self.observes.len() + self.map_points.len() + self.declared().len() + self.bow.words().len();
         let features = self.features.as_ref().map_or(0, Features::bytes);
         let detections: usize = self.detections.iter().map(Detection::bytes).sum();
         (head + numbers * NUMBER + features + detections) as u64

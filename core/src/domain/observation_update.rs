@@ -13,6 +13,10 @@ pub struct Renamed {
     pub is_complete: bool,
 }
 
+/// The covisible keyframes that a client declared, each with its number of shared points. An empty list says that there are none,
+/// `None` that the client does not know: its neighbours along the drive stand in for them (M62).
+pub type Declared = Option<Box<[(KeyframeSeq, u32)]>>;
+
 /// Changes that a client's map made to the points and edges of keyframes that it had sent, by dense number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObservationUpdate {
@@ -45,7 +49,7 @@ pub struct PointsOfKeyframe {
     /// As `Keyframe::observes`.
     pub observes: PointList,
     /// As `Keyframe::declared`.
-    pub declared: Box<[(KeyframeSeq, u32)]>,
+    pub declared: Declared,
     /// As `Keyframe::renamed`.
     pub renamed: Renamed,
     /// As `Keyframe::bytes`.

@@ -75,7 +75,7 @@ named! {
         /// Keyframes taken less than {limit} s before or after the query are no candidates in this map, {measured} of them here,
         /// and no other one shares a word or an anchor with it.
         TooRecent = "too_recent", row("all too recent", Rejects, Query);
-        /// The loop was confirmed before, and no other keyframe is one.
+        /// The loop was confirmed before, or one of the same return was that joined all that matches; no other keyframe is one.
         AlreadyClosed = "already_closed", row("loop closed already", Rejects, Query);
         /// The query has no words (a blank wall?), and no anchor proposes a candidate.
         EmptyBow = "empty_bow", row("no words", Undecided, Query);

@@ -140,6 +140,8 @@ pub struct LoopQuery {
     pub max_wait_ms: u64,
     /// The seed of whatever is drawn.
     pub seed: u64,
+    /// Whether a loop counts that repeats a confirmed one.
+    pub again: bool,
 }
 
 /// A job that asks a map's verdicts again, as asked for.

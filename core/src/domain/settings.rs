@@ -123,6 +123,10 @@ settings! {
         "sigma, the least share of a detection's map points that an anchor's box must cover";
     covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000, "1" }, OrbSlam,
         "keyframes of a session that share at least this many map points are covisible";
+    covisibility_max_way_m: f64 = Number { 3.0, 0.0, 1e6, "m"; paper: 0.0 }, Ours,
+        "a keyframe without map points and without `covisible` is covisible with the keyframes of its session to which the robot drove no farther, in metres; 0 joins none";
+    covisibility_max_gap_s: f64 = Number { 20.0, 0.0, 1e9, "s" }, Ours,
+        "and that were taken no longer before or after it, by their clock, in seconds";
     description_min_information_level: u32 = Count { 4, 1, 5, "1" }, Paper("§IV-B"),
         "an anchor is valid when its description's InformationLevel is no smaller";
     description_min_crop_area_px: f64 = Number { 256.0, 0.0, 1e9, "px^2" }, Paper("§IV-B"),
@@ -175,6 +179,8 @@ settings! {
         "a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
     near_miss_neighbours: bool = Switch { true; paper: false }, Ours,
         "where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as candidates in its stead";
+    returns_close_once: bool = Switch { true; paper: false }, Ours,
+        "a loop that repeats a confirmed one is `already_closed`: all that matches was made one by it";
     neighbours_vouch: bool = Switch { true; paper: false }, Ours,
         "where there are no anchors, or all that agrees hangs in several places, it is a loop if geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop joins them";
     without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided }, Paper("§V-B"),

@@ -194,7 +194,7 @@ pub struct Verdict {
     pub has_twins: bool,
     /// The number of keyframes left out because they are covisible with the query (check 1).
     pub excluded_covisible: usize,
-    /// The query's loops that are confirmed already, by id, at most [`CLOSED_MAX`].
+    /// The confirmed loops of the query's keyframe, by id, then those that a candidate would repeat (M63); at most [`CLOSED_MAX`].
     pub closed: Vec<ClosedLoop>,
     /// Why, where no candidate says it: there is none, or the loop is closed already.
     pub reason: Option<Reason>,
@@ -210,7 +210,7 @@ pub const CLOSED_MAX: usize = 100;
 pub struct ClosedLoop {
     /// The loop.
     pub id: LoopId,
-    /// The keyframe at its other end.
+    /// The keyframe at its other end: the place that the return is closed with.
     pub keyframe: KeyframeId,
 }
 

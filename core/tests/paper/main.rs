@@ -33,6 +33,7 @@
 // Expected values may be computed with the platform's own sines.
 #![allow(clippy::disallowed_methods)]
 
+mod along_drive;
 mod candidates;
 mod closing;
 mod construction;

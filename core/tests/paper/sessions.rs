@@ -97,7 +97,7 @@ fn an_anchor_merged_across_sessions_proposes_the_other_sessions_keyframes() {
     let next = new_day().words(&[(3, 1.0)]).covisible(&["tuesday-1"]).sees([door("901", NEW_DOOR)]);
     scene.put("tuesday-2", next);
     assert_eq!(scene.anchors().len(), 1);
-    let verdict = scene.ask("tuesday-2");
+    let verdict = scene.ask_again("tuesday-2");
     assert_eq!(candidates(&verdict), ["monday-1"]);
     assert_eq!(verdict.decision, Decision::Loop);
 }

@@ -83,7 +83,7 @@ fn odometry_over_an_unbroken_chain_is_a_witness_if_it_has_the_two_at_one_place()
 
 #[test]
 fn a_confirmed_loop_that_joins_the_passages_is_a_witness() {
-    let mut scene = Scene::new();
+    let mut scene = Scene::with(Settings { returns_close_once: false, ..Settings::default() });
     let sees = || [poster("Be Updated")];
     scene.put("monday-1", keyframe().session("monday").sees(sees()));
     scene.put("monday-2", keyframe().session("monday").words(&[(7, 1.0)]).covisible(&["monday-1"]));

@@ -94,7 +94,7 @@ pub struct KeyframeView {
     pub observes: Vec<i64>,
     /// The covisible keyframes that its client declared; all of them are listed at `.../covisible`.
     pub covisible: Vec<CovisibleShape>,
-    /// How many keyframes are covisible with it, by shared points or by declaration.
+    /// How many keyframes are covisible with it: by shared points, by declaration, by a confirmed loop or along the drive.
     pub covisible_total: usize,
     /// Its detections, each with what became of it.
     pub detections: Vec<DetectionView>,
@@ -208,7 +208,7 @@ impl KeyframeView {
             features: keyframe.features.map(FeaturesShape::from),
             map_points: PointsShape { ids, positions },
             observes: keyframe.observes,
-            covisible: keyframe.covisible.into_iter().map(CovisibleShape::from).collect(),
+            covisible: keyframe.covisible.into_iter().flatten().map(CovisibleShape::from).collect(),
             covisible_total: covisible,
             detections: (keyframe.detections.into_iter().zip(outcomes).zip(has_crop))
                 .map(|(detection, has_crop)| DetectionView { has_crop, ..detection.into() })

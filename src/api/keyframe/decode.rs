@@ -161,7 +161,7 @@ fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKe
     let placed = NewKeyframe {
         session: session.unwrap_or_default(),
         observes: observes.unwrap_or_default(),
-        covisible: covisible.unwrap_or_default(),
+        covisible,
         ..NewKeyframe::at(id?, stamp?, pose?)
     };
     let keyframe = seen?.of(placed);

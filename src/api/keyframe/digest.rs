@@ -42,9 +42,11 @@ pub fn of(keyframe: &NewKeyframe) -> Digest {
         facts.point(at);
     });
     facts.list(observes, |facts, id| facts.bytes(&id.to_le_bytes()));
-    facts.list(covisible, |facts, (other, shared)| {
-        facts.text(other.as_str());
-        facts.bytes(&shared.to_le_bytes());
+    facts.option(covisible.as_ref(), |facts, listed| {
+        facts.list(listed, |facts, (other, shared)| {
+            facts.text(other.as_str());
+            facts.bytes(&shared.to_le_bytes());
+        });
     });
     facts.list(detections, Facts::detection);
     facts.option(gravity.as_ref(), |facts, gravity| facts.floats(&gravity.as_given()));

@@ -37,7 +37,7 @@ impl From<NewKeyframe> for KeyframeBody {
             map_points: (!map_points.is_empty()).then(|| map_points.into()),
             observes: filled(observes),
             observes_i64: None,
-            covisible: filled(covisible.into_iter().map(CovisibleShape::from).collect()),
+            covisible: covisible.map(|listed| listed.into_iter().map(CovisibleShape::from).collect()),
             detections: filled(keyframe.detections.into_iter().map(DetectionShape::from).collect()),
         }
     }

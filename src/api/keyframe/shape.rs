@@ -58,7 +58,8 @@ pub struct KeyframeBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1_066_668)]
     pub observes_i64: Option<String>,
-    /// Covisible keyframes known to the client, also across sessions; each must exist.
+    /// Covisible keyframes known to the client, also across sessions; each must exist. An empty list says that there are none.
+    /// Left out, and without map points: the keyframes near along the drive count as covisible (`covisibility_max_way_m`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]
     pub covisible: Option<Vec<CovisibleShape>>,

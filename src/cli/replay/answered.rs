@@ -25,7 +25,7 @@ pub(super) struct Answered {
     pub keyframe: String,
     /// None: the ground truth is unknown, so the query is not scored.
     pub labels: Option<Labels>,
-    /// The answer.
+    /// The answer, as it counts.
     pub verdict: Decision,
     /// The reason why it is not a loop: the answer's own, or its leading candidate's.
     pub reason: Option<ReasonView>,
@@ -65,13 +65,16 @@ impl Answered {
             let labels = labels.as_ref();
             labels.is_some_and(|labels| labels.truth.contains(&candidate.keyframe))
         });
+        // A return that is closed already counts as the loop that it stands for.
+        let repeated = answer.repeated().filter(|_| answer.verdict.0 == Decision::NoLoop);
+        let repeated = repeated.map(|candidate| candidate.keyframe.clone());
         Self {
             map: map.to_owned(),
             keyframe: keyframe.to_owned(),
-            verdict: answer.verdict.0,
+            verdict: if repeated.is_some() { Decision::Loop } else { answer.verdict.0 },
             reason: answer.reason.clone().or_else(|| leading.and_then(|candidate| candidate.reason.clone())),
-            best: answer.best.clone(),
-            loops: answer.loops.clone(),
+            best: answer.best.clone().or_else(|| repeated.clone()),
+            loops: answer.loops.iter().cloned().chain(repeated).collect(),
             leading: leading.map(Figures::of),
             nearest_true: true_ones.max_by(|a, b| a.nearness(b)).map(Figures::of),
             bow_best: bow_best(&answer.candidates),

@@ -93,7 +93,7 @@ pub(super) fn record(
             features,
             map_points: row.sent_points.into_iter().filter_map(position).collect(),
             observes: stored.observes.to_vec(),
-            covisible: stored.declared.iter().filter_map(named).collect(),
+            covisible: stored.declared.as_ref().map(|listed| listed.iter().filter_map(named).collect()),
             detections,
         },
         detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),

@@ -143,7 +143,7 @@ impl Service {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
             }
-            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let declared = keyframe.declared().iter().enumerate().map(|(place, (id, _))| (place, id));
             let mut errors = unknown_covisible(index, declared);
             errors.extend(driven_frame(index, &keyframe.session));
             if !errors.is_empty() {

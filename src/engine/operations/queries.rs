@@ -182,7 +182,7 @@ fn screen_subject(
             Query::stored(index, seq, bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
         }
         Subject::Inline(keyframe, _) => {
-            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let declared = keyframe.declared().iter().enumerate().map(|(place, (id, _))| (place, id));
             let errors = unknown_covisible(index, declared);
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
@@ -192,7 +192,7 @@ fn screen_subject(
             Query::inline(index, keyframe)
         }
     };
-    Ok(screen(index, version, &subject.with_roles(roles), query.verify))
+    Ok(screen(index, version, &subject.with_roles(roles).asked(query.again), query.verify))
 }
 
 fn waits_for_descriptions(verdict: &Verdict) -> bool {
@@ -224,6 +224,9 @@ fn name(map: &MapId, version: u64, query: &LoopQuery, configured: Configured<'_>
     let Configured { roles, vocabulary } = configured;
     let vocabulary = vocabulary.unwrap_or_default();
     hash.update(format!("vision {} text {} vocabulary {vocabulary}\n", roles.vision, roles.text));
+    if query.again {
+        hash.update("again\n");
+    }
     match &query.subject {
         Subject::Stored(id) => hash.update(format!("stored\n{id}")),
         Subject::Inline(_, digest) => {

@@ -89,7 +89,7 @@ mod tests {
         let properties = MapProperties { metric: true, ..MapProperties::default() };
         service.put_map(map.clone(), properties, None).await.unwrap();
         service.put_keyframe(&map, before_the_door("kf-1", 1), [1; 32]).await.unwrap();
-        service.put_keyframe(&map, before_the_door("kf-9", 2), [9; 32]).await.unwrap();
+        service.put_keyframe(&map, before_the_door("kf-9", 60), [9; 32]).await.unwrap();
         let pinned = service.pin_map(&map).await.unwrap();
         let found = tokio::time::timeout(Duration::from_mins(1), loop_found(&service, &pinned));
         let found = found.await.expect("an announcement");

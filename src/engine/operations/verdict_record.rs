@@ -115,5 +115,6 @@ fn about(keyframe: KeyframeId) -> LoopQuery {
         verify: Verify::default(),
         max_wait_ms: 0,
         seed: 0,
+        again: false,
     }
 }

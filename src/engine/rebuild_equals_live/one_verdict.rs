@@ -39,7 +39,14 @@ async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
         let service = with_roles(&service, Roles { vision, text }).await;
         for name in 0..14 {
             let subject = Subject::Stored(keyframe_id(name));
-            let query = LoopQuery { subject, release: None, verify: Verify::Auto, max_wait_ms: 0, seed: 0 };
+            let query = LoopQuery {
+                subject,
+                release: None,
+                verify: Verify::Auto,
+                max_wait_ms: 0,
+                seed: 0,
+                again: false,
+            };
             let Ok(answer) = service.loop_query(&map, query).await else { continue };
             for candidate in &answer.verdict.candidates {
                 let class = candidate.reason.as_ref().map(|reason| reason.code.words().class);

@@ -37,11 +37,14 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 vocabulary: Some(CLIENTS_VOCABULARY.into()),
                 map_points: points.iter().filter(|id| **id % 3 != 0).map(|id| (*id, point(*id))).collect(),
                 observes: points,
-                covisible: covisible
-                    .filter(|other| *other != name)
-                    .map(|other| (keyframe_id(other), 7))
-                    .into_iter()
-                    .collect(),
+                // Its own name stands for a list that says none.
+                covisible: covisible.map(|other| {
+                    Some(other)
+                        .filter(|other| *other != name)
+                        .map(|other| (keyframe_id(other), 7))
+                        .into_iter()
+                        .collect()
+                }),
                 detections: detections.iter().map(detection).collect(),
                 ..bare(name)
             };

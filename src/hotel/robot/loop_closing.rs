@@ -68,14 +68,15 @@ pub fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
     robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
 }
 
+/// A return that is closed already counts as the loop that it stands for, and is not closed again.
 fn as_told(robots: &[Robot<'_>], answer: &LoopAnswer) -> Option<Accepted> {
-    let best = answer.best.as_deref().filter(|_| answer.verdict.0 == Decision::Loop)?;
-    let candidate = answer.candidate(best)?;
+    let candidate = answer.place()?;
+    let to_close = transform(candidate).filter(|_| answer.verdict.0 == Decision::Loop);
     Some(Accepted {
-        candidate: find(robots, best)?,
+        candidate: find(robots, &candidate.keyframe)?,
         inliers: candidate.inliers().unwrap_or(0),
-        to_close: transform(candidate).map(|candidate_from_query| LoopToClose {
-            candidate: best.to_owned(),
+        to_close: to_close.map(|candidate_from_query| LoopToClose {
+            candidate: candidate.keyframe.clone(),
             candidate_from_query,
             answer: answer.id.clone(),
         }),

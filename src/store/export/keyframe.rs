@@ -59,7 +59,10 @@ impl Export {
             features: features.as_ref().map(read::features).transpose()?,
             map_points,
             observes,
-            covisible: self.declared(&keyframe.declared).await?,
+            covisible: match &keyframe.declared {
+                Some(listed) => Some(self.declared(listed).await?),
+                None => None,
+            },
             detections,
         })
     }

@@ -24,7 +24,7 @@ pub(super) struct KeyframeForm {
     camera: Option<([f64; 4], [u32; 2])>,
     gravity: Option<[f64; 3]>,
     observes: Vec<i64>,
-    declared: Vec<(u32, u32)>,
+    declared: Option<Vec<(u32, u32)>>,
     bytes: u64,
     words: Vec<u32>,
     weights: Vec<u32>,
@@ -87,7 +87,9 @@ impl KeyframeForm {
                 .map(|Camera { fx, fy, cx, cy, width, height }| ([fx, fy, cx, cy], [width, height])),
             gravity: gravity.map(|gravity| gravity.as_given()),
             observes: observes.iter().collect(),
-            declared: declared.iter().map(|(other, shared)| (other.0, *shared)).collect(),
+            declared: declared
+                .as_ref()
+                .map(|listed| listed.iter().map(|(other, shared)| (other.0, *shared)).collect()),
             bytes: *bytes,
             words: bow.words().to_vec(),
             weights: bow.weights().to_vec(),
@@ -116,7 +118,9 @@ impl KeyframeForm {
             camera: self.camera.map(camera),
             gravity,
             observes: self.observes.into(),
-            declared: self.declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+            declared: self.declared.map(|listed| {
+                listed.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect()
+            }),
             renamed: None,
             bytes: self.bytes,
         };

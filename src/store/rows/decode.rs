@@ -4,7 +4,7 @@ use super::blob::{unpack, unpack_array};
 use super::column::integers_of;
 use crate::domain::anchor::Observation;
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Keyframe, Loop};
+use crate::domain::change::{Declared, Keyframe, Loop};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
@@ -21,7 +21,6 @@ pub(in crate::store) fn digest(row: &Row) -> Result<Digest, StoreError> {
 
 /// Reads a keyframe and its bag of words.
 pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), StoreError> {
-    let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
     let keyframe = Keyframe {
         seq: KeyframeSeq(row.try_get("keyframe")?),
         id: id(row.try_get("id")?)?,
@@ -31,11 +30,18 @@ pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), Sto
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
         gravity: gravity(row)?,
         observes: integers_of::<i64>(row.try_get("observes")?)?.into(),
-        declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+        declared: declared(row, "declared")?,
         renamed: None,
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
     Ok((keyframe, bow(row)?))
+}
+
+/// Reads the covisible keyframes that a client declared.
+pub(in crate::store) fn declared(row: &Row, column: &str) -> Result<Declared, StoreError> {
+    let Some(packed) = row.try_get::<Option<&[u8]>, _>(column)? else { return Ok(None) };
+    let listed: Vec<(u32, u32)> = unpack(packed)?;
+    Ok(Some(listed.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect()))
 }
 
 /// Reads a bag of words.

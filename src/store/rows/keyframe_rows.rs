@@ -10,7 +10,7 @@ use super::keypoints::keypoints;
 use super::statement::run;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe};
+use crate::domain::change::{Change, Declared, Keyframe};
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::{Camera, Detection};
 use crate::geometry::Pose;
@@ -29,6 +29,11 @@ pub(in crate::store) struct Arrived<'j> {
 
 pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
     pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
+}
+
+/// Packs the covisible keyframes that a client declared.
+pub(in crate::store) fn declared_blob(declared: &Declared) -> Option<Vec<u8>> {
+    declared.as_ref().map(|listed| pack(listed.iter().map(|(other, shared)| (other.0, *shared))))
 }
 
 /// Returns the second that it is now, by this machine's clock.
@@ -51,7 +56,7 @@ pub(in crate::store) async fn add_keyframes(
         row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
         row.push_bind(integers(&keyframe.observes.to_vec()));
         row.push_bind(integers(&rows.keyframe.map_points.iter().map(|(id, _)| *id).collect::<Vec<_>>()));
-        row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
+        row.push_bind(declared_blob(&keyframe.declared));
         for list in [bow.words(), bow.weights()] {
             row.push_bind(integers(&list.iter().map(|number| i64::from(*number)).collect::<Vec<_>>()));
         }

@@ -14,7 +14,7 @@ use super::{
     changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, session_merge_rows, twin_rows,
 };
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
+use crate::domain::change::{Change, Declared, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::domain::key::KeySeq;
 use crate::store::StoreError;
@@ -232,8 +232,9 @@ async fn standing(db: &mut Db, key: MapKey) -> Result<HashSet<KeyframeSeq>, Stor
 }
 
 /// Returns the declared covisibility of a keyframe with those that stand.
-fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Box<[(KeyframeSeq, u32)]> {
-    keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect()
+fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Declared {
+    let listed = keyframe.declared.as_ref()?;
+    Some(listed.iter().copied().filter(|(other, _)| standing.contains(other)).collect())
 }
 
 fn keyframe(row: &Row, known: &Known) -> Result<(Keyframe, BowVector), StoreError> {

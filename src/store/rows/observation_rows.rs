@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::blob::{pack, unpack};
 use super::column::{integers, integers_of};
+use super::decode;
+use super::keyframe_rows::declared_blob;
 use super::statement::run;
 use crate::domain::change::{Keyframe, PointsOfKeyframe, Renamed};
 use crate::domain::ids::{KeyframeSeq, PointId};
@@ -31,9 +32,8 @@ pub(in crate::store) async fn set_points_of_keyframe(
     let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.pairs.iter().copied().unzip();
     let query =
         sql::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
-    let declared = pack(points.declared.iter().map(|(other, shared)| (other.0, *shared)));
     let query = query.bind(integers(&from)).bind(integers(&to)).bind(points.renamed.is_complete);
-    run(db, query.bind(declared).bind(points.bytes as i64)).await
+    run(db, query.bind(declared_blob(&points.declared)).bind(points.bytes as i64)).await
 }
 
 /// Sets the map points of a detection.
@@ -52,14 +52,13 @@ pub(in crate::store) async fn set_points_of_detection(
 /// Gives a keyframe what it observes now, if its row was selected with [`JOINED`] and that is not what was sent.
 pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &Row) -> Result<(), StoreError> {
     let Some(observes) = row.try_get::<Option<&[u8]>, _>("observes_now")? else { return Ok(()) };
-    let declared: Vec<(u32, u32)> = unpack(row.try_get("declared_now")?)?;
     let from: Vec<PointId> = integers_of(row.try_get("renamed_from")?)?;
     let to: Vec<PointId> = integers_of(row.try_get("renamed_to")?)?;
     if from.len() != to.len() || !from.is_sorted_by(|a, b| a < b) {
         return Err(StoreError::corrupt("the renamed points do not fit together"));
     }
     keyframe.observes = integers_of::<PointId>(observes)?.into();
-    keyframe.declared = declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect();
+    keyframe.declared = decode::declared(row, "declared_now")?;
     let (pairs, is_complete) = (from.into_iter().zip(to).collect(), row.try_get("renames_all")?);
     keyframe.renamed = Some(Renamed { pairs, is_complete });
     keyframe.bytes = row.try_get::<i64, _>("bytes_now")? as u64;

@@ -141,7 +141,7 @@ struct UndoRow {
 struct PointsRow {
     keyframe: u32,
     observes: Vec<i64>,
-    declared: Vec<(u32, u32)>,
+    declared: Option<Vec<(u32, u32)>>,
     renamed: Vec<(i64, i64)>,
     renames_all: bool,
     bytes: u64,
@@ -152,7 +152,10 @@ impl From<&MergeUndo> for UndoRow {
         let points = |of: &PointsOfKeyframe| PointsRow {
             keyframe: of.keyframe.0,
             observes: of.observes.to_vec(),
-            declared: of.declared.iter().map(|(other, shared)| (other.0, *shared)).collect(),
+            declared: of
+                .declared
+                .as_ref()
+                .map(|listed| listed.iter().map(|(other, shared)| (other.0, *shared)).collect()),
             renamed: of.renamed.pairs.to_vec(),
             renames_all: of.renamed.is_complete,
             bytes: of.bytes,
@@ -172,7 +175,9 @@ impl UndoRow {
         let points = |row: PointsRow| PointsOfKeyframe {
             keyframe: KeyframeSeq(row.keyframe),
             observes: row.observes.into(),
-            declared: row.declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+            declared: row.declared.map(|listed| {
+                listed.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect()
+            }),
             renamed: Renamed { pairs: row.renamed.into(), is_complete: row.renames_all },
             bytes: row.bytes,
         };

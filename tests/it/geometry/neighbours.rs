@@ -85,7 +85,7 @@ async fn beside_a_sign_that_hangs_elsewhere_too_neighbours_vouch_as_well() {
 
 #[tokio::test]
 async fn a_confirmed_loop_of_a_neighbour_vouches_with_geometry() {
-    let server = map(json!({}), true).await;
+    let server = map(json!({"returns_close_once": false}), true).await;
     drive_twice(&server, ["room 901", "room 777"], 1).await;
     assert_eq!(found(&server, "auto").await["reason"]["code"], "no_anchors");
     let closed = json!({"id": "loop-1", "keyframe": "b-2", "candidate": "a-2"});

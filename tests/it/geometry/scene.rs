@@ -82,7 +82,7 @@ impl Shot {
         let mut body = json!({
             "session": session, "stamp": {"sec": 1, "nanosec": 0},
             "pose": {"translation": {"x": tx, "y": ty, "z": tz}, "rotation": {"x": qx, "y": qy, "z": qz, "w": qw}},
-            "bow": {"words": [1, 2], "weights": [1, 1]},
+            "bow": {"words": [1, 2], "weights": [1, 1]}, "covisible": [],
             "detections": self.plates.iter().map(|(text, at)| json!({
                 "class": "door_number", "confidence": 0.9, "box": [0, 0, 10, 10], "text": text,
                 "position": self.in_session(&Point3::from(*at))})).collect::<Vec<_>>(),

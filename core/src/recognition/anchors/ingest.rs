@@ -86,7 +86,10 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         camera: new.camera,
         gravity: new.gravity,
         observes: new.observes.as_slice().into(),
-        declared: new.covisible.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect(),
+        declared: new
+            .covisible
+            .as_ref()
+            .map(|listed| listed.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect()),
         renamed: None,
         bytes: new.bytes(),
     };

@@ -15,7 +15,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::association::late_sight;
 use super::ingest::{merge_all, names, tell_described, tell_revisits};
-use crate::domain::change::{Change, Keyframe, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
+use crate::domain::change::{
+    Change, Declared, Keyframe, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed,
+};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::recognition::map::culling::is_orphan;
@@ -145,20 +147,21 @@ fn points_of_keyframe(
     let said = listed.and_then(|of| of.observes.clone());
     let observes = said.unwrap_or_else(|| now(stored.observes.iter(), becomes));
     let renamed = renamed(stored, &observes, becomes);
-    let mut declared = stored.declared.to_vec();
+    let mut declared = stored.declared.clone().map(Vec::from);
     for (other, shared) in listed.into_iter().flat_map(|of| &of.covisible) {
+        let declared = declared.get_or_insert_default();
         match declared.iter_mut().find(|(known, _)| known == other) {
             Some((_, known)) => *known = *shared,
             None => declared.push((*other, *shared)),
         }
     }
     if stored.observes.iter().eq(observes.iter().copied())
-        && *declared == *stored.declared
+        && declared.as_deref() == stored.declared.as_deref()
         && renamed == stored.renamed.clone().unwrap_or_default()
     {
         return None;
     }
-    Some(with_bytes(stored, observes, declared.into(), renamed))
+    Some(with_bytes(stored, observes, declared.map(Into::into), renamed))
 }
 
 /// Returns the points that features were sent with and that are others now.
@@ -181,15 +184,16 @@ fn renamed(stored: &Keyframe, observes: &[PointId], becomes: &Becomes) -> Rename
 pub(super) fn with_bytes(
     stored: &Keyframe,
     observes: Vec<PointId>,
-    declared: Box<[(KeyframeSeq, u32)]>,
+    declared: Declared,
     renamed: Renamed,
 ) -> PointsOfKeyframe {
     let bytes = |observes: usize, declared: usize, renamed: usize| {
         ((observes + declared + 2 * renamed) * NUMBER) as u64
     };
     let before = stored.renamed.as_ref().map_or(0, |renamed| renamed.pairs.len());
-    let bytes = (stored.bytes + bytes(observes.len(), declared.len(), renamed.pairs.len()))
-        .saturating_sub(bytes(stored.observes.len(), stored.declared.len(), before));
+    let bytes = (stored.bytes
+        + bytes(observes.len(), declared.as_deref().map_or(0, <[_]>::len), renamed.pairs.len()))
+    .saturating_sub(bytes(stored.observes.len(), stored.declared().len(), before));
     PointsOfKeyframe { keyframe: stored.seq, observes: observes.into(), declared, renamed, bytes }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod alignment;
 pub mod changed_signs;
+pub mod closed_return;
 pub mod company;
 pub mod contradiction;
 pub mod difference;

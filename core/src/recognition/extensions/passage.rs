@@ -1,13 +1,14 @@
 //! Passages: the sightings of one object in one drive past it (M7, M10).
 //!
 //! Three frames of one drive past a plate see one plate, and say nothing about a return. Two sightings in one session are of
-//! one passage if a chain of keyframes that share map points, or are declared covisible, joins them, with no more than
+//! one passage if a chain of keyframes that share map points, are declared covisible or are near along the drive, joins them, with no more than
 //! `distinctive_place_radius_m` driven from one sighting to the next. Keyframes are taken in the order of their arrival. A
 //! confirmed loop joins no passages: it says that the robot was here before.
 
 use std::collections::BTreeSet;
 
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::recognition::anchors::matching::matches;
 use crate::recognition::map::index::MapIndex;
 
 /// Whether two keyframes are in one passage of an object; either may see it, or be next to one that does.
@@ -23,6 +24,17 @@ pub fn share_passage(index: &MapIndex, root: AnchorSeq, a: KeyframeSeq, b: Keyfr
     let between: Vec<KeyframeSeq> =
         sightings.range(first..=last).copied().filter(|seq| session(*seq) == Some(own)).collect();
     between.windows(2).all(|pair| are_joined(index, pair[0], pair[1]))
+}
+
+/// Whether an object was seen in one passage alone, and nothing else in the map is called like it: who knows it from two
+/// places knows it by odometry, and has not seen it again.
+pub fn is_seen_once(index: &MapIndex, root: AnchorSeq) -> bool {
+    let Some(object) = index.objects().get(root) else { return false };
+    let session = |seq: KeyframeSeq| index.keyframe(seq).map(|keyframe| keyframe.session);
+    let is_one =
+        |pair: &[KeyframeSeq]| session(pair[0]) == session(pair[1]) && are_joined(index, pair[0], pair[1]);
+    let sightings: Vec<KeyframeSeq> = index.keyframes_of(object).into_iter().collect();
+    matches(index, root).next().is_none() && sightings.windows(2).all(is_one)
 }
 
 /// Whether a chain joins a sighting and the next one of the session, with little driven between them.
@@ -53,7 +65,7 @@ fn are_joined(index: &MapIndex, first: KeyframeSeq, last: KeyframeSeq) -> bool {
         if sight.joins_by_sight(seq, last) {
             return true;
         }
-        for next in sight.neighbours(seq).filter(|next| sight.joins_by_sight(seq, *next)) {
+        for next in sight.neighbours_by_sight(seq) {
             if between.remove(&next) {
                 open.push(next);
             }

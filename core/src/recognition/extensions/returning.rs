@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::passage::share_passage;
+use super::passage::{is_seen_once, share_passage};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
 use crate::recognition::loops::comparison::{Comparison, Matched};
@@ -30,11 +30,11 @@ pub fn is_tracked_only(
     comparison.matches.iter().all(|pair| is_tracked(index, pair, query, candidate))
 }
 
-/// Whether a matched pair is one object of which the two keyframes are in one passage.
+/// Whether a matched pair is one object of which the two keyframes are in one passage, or that was seen in one alone.
 pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, candidate: KeyframeSeq) -> bool {
     match (&pair.query.name, &pair.candidate.name) {
         (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => {
-            a == b && share_passage(index, *a, query, candidate)
+            a == b && (share_passage(index, *a, query, candidate) || is_seen_once(index, *a))
         }
         _ => false,
     }

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::alignment::Compared;
+use super::closed_return::joining_loop;
 use super::tracked_path::{TrackedPath, drift_m};
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
@@ -27,15 +28,7 @@ pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {
 
 /// Whether a confirmed loop joins the passages of the query and of a candidate: somebody knows that it is one place.
 pub fn loop_joins(index: &MapIndex, around_query: &BTreeSet<KeyframeSeq>, candidate: KeyframeSeq) -> bool {
-    let mut closed = around_query.iter().flat_map(|keyframe| index.loops_of(*keyframe)).peekable();
-    if closed.peek().is_none() {
-        return false;
-    }
-    let around: BTreeSet<KeyframeSeq> = index.covisibility().with_itself(candidate).collect();
-    closed.any(|closed| {
-        let joins = |here, there| around_query.contains(&here) && around.contains(&there);
-        joins(closed.keyframe, closed.candidate) || joins(closed.candidate, closed.keyframe)
-    })
+    joining_loop(index, around_query, candidate).is_some()
 }
 
 /// Whether odometry has every matched pair at one place.

@@ -13,8 +13,9 @@ use super::query::Query;
 use super::screening::{CandidateStage, Passed, PreVerified, Rivalry};
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::WithoutAnchors;
-use crate::domain::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
+use crate::domain::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify};
 use crate::recognition::extensions::alignment::Compared;
+use crate::recognition::extensions::closed_return::{joined_return, repeated_loop};
 use crate::recognition::extensions::company::Companies;
 use crate::recognition::extensions::difference::find_differing;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
@@ -89,9 +90,13 @@ impl<'a> AnchorCheck<'a> {
     ) -> Option<(Voucher, PreVerified)> {
         let keyframe = pre_verified.keyframe;
         if loop_joins(self.index, &self.query.centre.covisible, keyframe) {
-            let (is_here, snapshot) =
-                (self.is_here(keyframe), GeometrySnapshot::stored(self.index, keyframe));
-            return Some((Voucher::ConfirmedLoop, PreVerified { is_here, snapshot, ..pre_verified.clone() }));
+            let joined = PreVerified {
+                is_here: self.is_here(keyframe),
+                repeats: self.repeats(|index, query| joined_return(index, query, keyframe)),
+                snapshot: GeometrySnapshot::stored(self.index, keyframe),
+                ..pre_verified.clone()
+            };
+            return Some((Voucher::ConfirmedLoop, joined));
         }
         let around_query = self
             .around_neighbours
@@ -138,8 +143,7 @@ impl<'a> AnchorCheck<'a> {
             () if index.model_away() => ReasonCode::LlmUnavailable,
             () => ReasonCode::LlmPending,
         };
-        // What is not stored is where the newest of its neighbours is.
-        let nearest = query.keyframe.or(query.centre.covisible.last().copied());
+        let nearest = query.nearest();
         let is_tracked_only =
             || nearest.is_some_and(|query| is_tracked_only(index, comparison, query, keyframe));
         let passed = judge_anchors(index, comparison, worst, missing).map(|passed| match passed.stage {
@@ -169,6 +173,7 @@ impl<'a> AnchorCheck<'a> {
                 is_here: self.is_here(keyframe),
                 identifier: returning_identifier(index, comparison, query, nearest, keyframe),
                 compared: Compared::of(index, comparison, differing),
+                repeats: self.repeats(|index, query| repeated_loop(index, comparison, query, keyframe)),
                 path: None,
                 snapshot: if self.verify == Verify::Anchors {
                     None
@@ -180,6 +185,12 @@ impl<'a> AnchorCheck<'a> {
         };
         pre_verified.is_degraded = is_degraded;
         pre_verified
+    }
+
+    /// Returns the confirmed loop that a candidate would repeat, unless repeated ones count.
+    fn repeats(&self, find: impl FnOnce(&MapIndex, &Query<'_>) -> Option<ClosedLoop>) -> Option<ClosedLoop> {
+        let once = self.index.properties().settings.returns_close_once && !self.query.again;
+        once.then(|| find(self.index, self.query)).flatten()
     }
 
     /// Whether the query's session has the two keyframes at one place.

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use super::anchor_check::{AnchorCheck, Counts};
 use super::candidates::find_candidates;
-use super::decision::{answer, verify_candidate};
+use super::decision::{answer, settle_repeats, verify_candidate};
 use super::evidence;
 use super::features::FeatureSet;
 use super::geometry_check::PlacedQuery;
@@ -94,11 +94,13 @@ pub fn verify_and_decide(screening: Screening, features: &FeatureSet, seed: u64)
     let mut verified: Vec<_> = screening.candidates.iter().map(verify).collect();
     // M19: geometry proves a view, not a place
     settle_rivals(&screening.candidates, &mut verified, &screening.settings);
+    // M63: a robot closes a return once
+    let closed = settle_repeats(&screening.candidates, &mut verified);
     let mut candidates: Vec<_> = verified.into_iter().map(|one| one.candidate).collect();
     // One keyframe may stand in for two places that it is covisible with.
     let mut known = BTreeSet::new();
     candidates.retain(|candidate| known.insert(candidate.keyframe.clone()));
     candidates.sort_by(evidence::best_first);
     // the answer: a loop if one candidate is left that all checks let pass
-    answer(&screening, candidates)
+    answer(&screening, candidates, closed)
 }

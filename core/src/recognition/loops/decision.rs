@@ -1,13 +1,16 @@
 //! The last step of §V and the answer: decides on a candidate by geometry, and by the anchors under its transformation; and on
 //! the query by its candidates.
 
+use std::collections::BTreeMap;
+
 use super::equation_2;
 use super::evidence;
 use super::features::FeatureSet;
 use super::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
 use super::screening::{CandidateStage, PreVerified, Screening};
 use crate::domain::verdict::{
-    Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
+    CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Decision, GeometryStatus, Reason, ReasonCode,
+    Verdict, Verify,
 };
 use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::rivals::{Concluded, Seen};
@@ -251,13 +254,36 @@ fn is_far(screening: &Screening, candidate: &Candidate) -> bool {
     lacks_all && !agrees && candidate.bow.score < least
 }
 
-/// Returns the verdict on a query whose candidates are decided, the best first.
-pub(super) fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
+/// Takes back each loop that repeats a confirmed one. Returns those confirmed loops, by id.
+pub(super) fn settle_repeats(pre_verified: &[PreVerified], concluded: &mut [Concluded]) -> Vec<ClosedLoop> {
+    let mut closed = BTreeMap::new();
+    for (pre_verified, Concluded { candidate, .. }) in pre_verified.iter().zip(concluded) {
+        // A neighbour that stands in for a near miss is of the same place.
+        let Some(repeated) = &pre_verified.repeats else { continue };
+        if candidate.decision == CandidateDecision::Loop {
+            reject(candidate, evidence::repeats(repeated));
+            closed.insert(repeated.id.clone(), repeated.clone());
+        }
+    }
+    closed.into_values().collect()
+}
+
+/// Returns the verdict on a query whose candidates are decided, the best first, and of which some repeat these confirmed loops.
+pub(super) fn answer(
+    screening: &Screening,
+    candidates: Vec<Candidate>,
+    repeated: Vec<ClosedLoop>,
+) -> Verdict {
     let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
     let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
     let nothing_to_compare = candidates.is_empty() && screening.empty_bow;
+    let mut closed = screening.closed.clone();
+    closed.extend(repeated.iter().filter(|repeated| !screening.closed.contains(repeated)).cloned());
+    closed.truncate(CLOSED_MAX);
     let decision = if !loops.is_empty() {
         Decision::Loop
+    } else if !repeated.is_empty() {
+        Decision::NoLoop
     } else if nothing_to_compare
         || of(CandidateDecision::Undecided).any(|candidate| !is_far(screening, candidate))
     {
@@ -265,8 +291,10 @@ pub(super) fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdi
     } else {
         Decision::NoLoop
     };
-    let reason = if decision == Decision::NoLoop && !screening.closed.is_empty() {
-        Some(evidence::already_closed(&screening.closed))
+    let reason = if let (Decision::NoLoop, Some(repeated)) = (decision, repeated.first()) {
+        Some(evidence::repeats(repeated))
+    } else if decision == Decision::NoLoop && !closed.is_empty() {
+        Some(evidence::already_closed(&closed))
     } else if candidates.is_empty() && screening.too_recent > 0 && !screening.empty_bow {
         Some(evidence::too_recent(screening.too_recent, screening.settings.candidates_min_gap_s))
     } else {
@@ -280,7 +308,7 @@ pub(super) fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdi
         degraded: screening.degraded,
         has_twins: screening.twins > 0,
         excluded_covisible: screening.excluded_covisible,
-        closed: screening.closed.clone(),
+        closed,
         reason,
         candidates,
     }

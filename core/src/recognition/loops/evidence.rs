@@ -297,6 +297,14 @@ pub(in crate::recognition) fn already_closed(closed: &[ClosedLoop]) -> Reason {
     Reason { code: ReasonCode::AlreadyClosed, measured: None, limit: None, detail }
 }
 
+/// Returns the reason of a candidate that a confirmed loop of the same return has joined already (M63).
+pub(in crate::recognition) fn repeats(closed: &ClosedLoop) -> Reason {
+    let ClosedLoop { id, keyframe } = closed;
+    let detail =
+        format!("this return is closed already, by {id} with {keyframe}: what matches here, it has joined");
+    Reason { code: ReasonCode::AlreadyClosed, measured: None, limit: None, detail }
+}
+
 pub(in crate::recognition) fn no_candidates(empty_bow: bool) -> Reason {
     let (code, detail) = if empty_bow {
         (ReasonCode::EmptyBow, "the query has no words, and no anchor it sees was seen before")

@@ -32,6 +32,8 @@ pub struct Query<'a> {
     pub roles: Roles,
     /// Keyframes that are no candidates, because whoever asks has left them out.
     pub left_out: BTreeSet<KeyframeSeq>,
+    /// Whether a loop counts that repeats a confirmed one (M63).
+    pub again: bool,
 }
 
 impl<'a> Query<'a> {
@@ -51,6 +53,7 @@ impl<'a> Query<'a> {
             snapshot,
             roles: Roles::default(),
             left_out: BTreeSet::new(),
+            again: false,
         })
     }
 
@@ -83,6 +86,7 @@ impl<'a> Query<'a> {
             snapshot: GeometrySnapshot::inline(index, session, keyframe),
             roles: Roles::default(),
             left_out: BTreeSet::new(),
+            again: false,
         }
     }
 
@@ -96,6 +100,16 @@ impl<'a> Query<'a> {
         Self { roles, ..self }
     }
 
+    /// Returns the same question, to which a loop that repeats a confirmed one is a loop if `again` says so.
+    pub fn asked(self, again: bool) -> Self {
+        Self { again, ..self }
+    }
+
+    /// Returns the keyframe that stands for the query in the map: itself, or, not stored, the newest of its neighbours.
+    pub fn nearest(&self) -> Option<KeyframeSeq> {
+        self.keyframe.or(self.centre.covisible.last().copied())
+    }
+
     /// Whether this keyframe is covisible with the query, or the query itself (§V, check 1).
     pub fn excludes(&self, keyframe: KeyframeSeq) -> bool {
         self.centre.covisible.contains(&keyframe)
@@ -106,7 +120,7 @@ impl<'a> Query<'a> {
         let gap_s = index.properties().settings.candidates_min_gap_s;
         gap_s > 0.0
             && index.keyframe(keyframe).is_some_and(|other| {
-                Some(other.session) == self.centre.session && gap_between_s(other.stamp, self.stamp) < gap_s
+                Some(other.session) == self.centre.session && other.stamp.gap_s(self.stamp) < gap_s
             })
     }
 
@@ -147,17 +161,10 @@ impl<'a> Query<'a> {
     }
 }
 
-/// Returns the time between two stamps, in seconds.
-fn gap_between_s(a: Stamp, b: Stamp) -> f64 {
-    // Seconds of two epochs may be far apart; as floats they cannot overflow.
-    let whole_s = a.sec as f64 - b.sec as f64;
-    (whole_s + (f64::from(a.nanosec) - f64::from(b.nanosec)) * 1e-9).abs()
-}
-
 /// Returns the keyframes an inline keyframe would be covisible with.
 fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<KeyframeSeq> {
     let mut covisible: BTreeSet<KeyframeSeq> =
-        keyframe.covisible.iter().filter_map(|(id, _)| index.keyframe_seq(id)).collect();
+        keyframe.declared().iter().filter_map(|(id, _)| index.keyframe_seq(id)).collect();
     if let Some(session) = index.session(&keyframe.session) {
         let enough = index.properties().settings.covisibility_min_shared_points;
         covisible.extend(
@@ -168,6 +175,7 @@ fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<Keyfra
                 .filter(|(_, n)| *n >= enough)
                 .map(|(k, _)| k),
         );
+        covisible.extend(index.along_drive_of(session, keyframe));
     }
     covisible
 }

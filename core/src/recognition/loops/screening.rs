@@ -79,6 +79,8 @@ pub struct PreVerified {
     pub identifier: Returning,
     /// The comparison's findings, to be held against a transformation.
     pub compared: Compared,
+    /// The confirmed loop that a loop with it would repeat, if there is one and repeated loops do not count.
+    pub repeats: Option<ClosedLoop>,
     /// The unbroken odometry chain to the query, if there is one.
     pub path: Option<TrackedPath>,
     /// Its geometry: camera, pose and map points.
@@ -107,6 +109,7 @@ impl PreVerified {
             is_here: false,
             identifier: Returning::No,
             compared: Compared::default(),
+            repeats: None,
             path: None,
             snapshot: None,
             is_degraded: false,

@@ -116,6 +116,13 @@ impl Scene {
         check_loop(&self.map, &query, verify, &FeatureSet::default(), 0)
     }
 
+    /// Asks about a stored keyframe, and wants loops that repeat a confirmed one, too.
+    pub fn ask_again(&self, keyframe: &str) -> Verdict {
+        let seq = self.seq(keyframe);
+        let query = Query::stored(&self.map, seq, &self.words[&seq]).expect("it is stored").asked(true);
+        check_loop(&self.map, &query, Verify::default(), &FeatureSet::default(), 0)
+    }
+
     /// Asks about a keyframe that is not stored.
     pub fn ask_inline(&self, keyframe: &Keyframe) -> Verdict {
         let new = keyframe.clone().under("inline");

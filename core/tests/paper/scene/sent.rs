@@ -15,7 +15,8 @@ pub struct Keyframe(NewKeyframe);
 /// Makes a keyframe at the origin that looks along z, with the word 1.
 pub fn keyframe() -> Keyframe {
     let stamp = Stamp { sec: 1, nanosec: 0 };
-    Keyframe(NewKeyframe::at(keyframe_id("unnamed"), stamp, Pose::identity())).words(&[(1, 1.0)])
+    let new = NewKeyframe::at(keyframe_id("unnamed"), stamp, Pose::identity());
+    Keyframe(NewKeyframe { covisible: Some(Vec::new()), ..new }).words(&[(1, 1.0)])
 }
 
 impl Keyframe {
@@ -68,6 +69,12 @@ impl Keyframe {
         self
     }
 
+    /// Its client does not know what is covisible with it.
+    pub fn unlinked(mut self) -> Self {
+        self.0.covisible = None;
+        self
+    }
+
     /// Its client declares these covisible, with 40 shared points.
     pub fn covisible(self, keyframes: &[&str]) -> Self {
         self.sharing(keyframes, 40)
@@ -75,7 +82,7 @@ impl Keyframe {
 
     /// Its client declares these covisible, with so many shared points.
     pub fn sharing(mut self, keyframes: &[&str], shared: u32) -> Self {
-        self.0.covisible = keyframes.iter().map(|id| (keyframe_id(id), shared)).collect();
+        self.0.covisible = Some(keyframes.iter().map(|id| (keyframe_id(id), shared)).collect());
         self
     }
 

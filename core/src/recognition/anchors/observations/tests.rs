@@ -31,6 +31,7 @@ fn keyframe(number: usize, observes: BTreeSet<PointId>, position: impl Fn(PointI
     NewKeyframe {
         map_points: observes.iter().map(|id| (*id, position(*id))).collect(),
         observes: observes.into_iter().collect(),
+        covisible: Some(Vec::new()),
         ..NewKeyframe::at(id(number), stamp, Pose::identity())
     }
 }
@@ -181,7 +182,7 @@ proptest! {
                 let numbers = [(number, other), (other, number)].map(|pair| robot.declared.get(&pair).copied());
                 numbers.into_iter().flatten().max()
             };
-            new.covisible = (0..number).filter_map(|other| Some((id(other), between(other)?))).collect();
+            new.covisible = Some((0..number).filter_map(|other| Some((id(other), between(other)?))).collect());
             ingest(&mut at_once, &new);
         }
         prop_assert_eq!(graph(&index), graph(&at_once));

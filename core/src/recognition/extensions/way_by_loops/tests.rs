@@ -26,7 +26,7 @@ fn keyframe(seq: u32, session: u32, x_m: i32, is_lost: bool) -> Change {
         camera: None,
         gravity: None,
         observes: points.into(),
-        declared: Box::default(),
+        declared: None,
         renamed: None,
         bytes: 0,
     };

@@ -261,7 +261,8 @@ impl MapIndex {
         let sharing = self.covisibility().counted(keyframe.seq);
         self.lists.add(keyframe.seq, &sharing);
         self.track(keyframe.seq);
-        for (other, points) in &keyframe.declared {
+        self.count_unlinked(keyframe.seq, true);
+        for (other, points) in keyframe.declared() {
             self.lists.declare(keyframe.seq, *other, *points);
         }
     }
@@ -297,6 +298,7 @@ impl MapIndex {
     fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
         let sharing = self.covisibility().sharing(seq).into_owned();
         self.untrack(seq);
+        self.count_unlinked(seq, false);
         let Some(keyframe) = self.keyframes.remove(seq.index()) else { return };
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, keyframe.observes.iter(), seq);
@@ -306,8 +308,10 @@ impl MapIndex {
         self.tally.remove_keyframe(&keyframe);
         // What others declared about it is no fact of the map any more.
         for (neighbour, _) in self.lists.edges(seq) {
-            if let Some(other) = self.keyframes.get_mut(neighbour.index()) {
-                other.declared = other.declared.iter().copied().filter(|(d, _)| *d != seq).collect();
+            let declared =
+                self.keyframes.get_mut(neighbour.index()).and_then(|other| other.declared.as_mut());
+            if let Some(declared) = declared {
+                *declared = declared.iter().copied().filter(|(other, _)| *other != seq).collect();
             }
         }
         self.lists.remove(seq, &sharing);

@@ -31,6 +31,7 @@ impl MapIndex {
     pub(super) fn set_points_of_keyframe(&mut self, now: &PointsOfKeyframe) {
         let seq = now.keyframe;
         let before = self.covisibility().sharing(seq).into_owned();
+        self.count_unlinked(seq, false);
         let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { return };
         self.tally.remove_keyframe(keyframe);
         self.bytes -= keyframe.bytes;
@@ -49,8 +50,9 @@ impl MapIndex {
         let sharing = self.covisibility().counted(seq);
         self.lists.relist(seq, &before, &sharing);
         self.retrack(seq);
-        for (other, points) in &now.declared {
-            let theirs = self.keyframe(*other).into_iter().flat_map(|other| other.declared.iter());
+        self.count_unlinked(seq, true);
+        for (other, points) in now.declared.iter().flatten() {
+            let theirs = self.keyframe(*other).into_iter().flat_map(Keyframe::declared);
             let theirs = theirs.filter(|(back, _)| *back == seq).map(|(_, points)| *points).max();
             self.lists.redeclare(seq, *other, theirs.unwrap_or(0).max(*points));
         }
@@ -61,6 +63,7 @@ impl MapIndex {
         for seq in keyframes.iter().copied() {
             let before = self.covisibility().sharing(seq).into_owned();
             self.untrack(seq);
+            self.count_unlinked(seq, false);
             let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { continue };
             let former = std::mem::replace(&mut keyframe.session, session);
             self.points.forget(former, keyframe.observes.iter(), seq);
@@ -68,6 +71,7 @@ impl MapIndex {
             let sharing = self.covisibility().counted(seq);
             self.lists.relist(seq, &before, &sharing);
             self.track(seq);
+            self.count_unlinked(seq, true);
             touched.stale.extend(self.anchors_seen_by(seq));
         }
     }

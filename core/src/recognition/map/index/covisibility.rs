@@ -29,7 +29,12 @@ impl MapIndex {
 impl<'a> Covisibility<'a> {
     /// Returns the keyframes covisible with one, ascending, without itself.
     pub fn neighbours(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
-        self.joined(keyframe).map(|(other, ..)| other)
+        self.joined(keyframe).map(|joined| joined.other)
+    }
+
+    /// Returns those that are so for another reason than a confirmed loop.
+    pub fn neighbours_by_sight(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
+        self.joined(keyframe).filter(Joined::is_by_sight).map(|joined| joined.other)
     }
 
     /// K_k^cov of the paper: the neighbours and the keyframe itself.
@@ -44,25 +49,30 @@ impl<'a> Covisibility<'a> {
 
     /// Returns the neighbours, each with its number of shared map points.
     pub fn shared(self, keyframe: KeyframeSeq) -> impl Iterator<Item = Neighbour> + use<'a> {
-        self.joined(keyframe).map(|(other, points, edge)| {
+        self.joined(keyframe).map(|Joined { other, points, edge, .. }| {
             (other, points.max(edge.and_then(|edge| edge.declared).unwrap_or(0)))
         })
     }
 
     /// Returns the keyframes of its session that share enough map points with one.
     pub fn sharing_points(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
-        self.joined(keyframe).filter(|(_, points, _)| *points > 0).map(|(other, ..)| other)
+        self.joined(keyframe).filter(|joined| joined.points > 0).map(|joined| joined.other)
     }
 
     /// Whether the two are covisible.
     pub fn joins(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
-        self.index.lists.edge(a, b).is_some() || self.joins_by_points(a, b)
+        self.index.lists.edge(a, b).is_some()
+            || self.joins_by_points(a, b)
+            || self.index.joins_along_drive(a, b)
     }
 
-    /// Whether the two are covisible by what they see, or by what a client declared, and not only by a confirmed loop.
+    /// Whether the two are covisible by what they see, by what a client declared, or along the drive, and not only by a
+    /// confirmed loop.
     pub fn joins_by_sight(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
         let edge = self.index.lists.edge(a, b);
-        edge.is_some_and(|edge| edge.declared.is_some()) || self.joins_by_points(a, b)
+        edge.is_some_and(|edge| edge.declared.is_some())
+            || self.joins_by_points(a, b)
+            || self.index.joins_along_drive(a, b)
     }
 
     /// Returns the union of the K_k^cov of some keyframes, ascending.
@@ -75,6 +85,7 @@ impl<'a> Covisibility<'a> {
         for keyframe in keyframes {
             found.push(*keyframe);
             found.extend(lists.edges(*keyframe).iter().map(|(other, _)| *other));
+            found.extend(self.index.along_drive(*keyframe));
             match lists.listed(*keyframe) {
                 Some(list) => found.extend(list.iter().map(|(other, _)| *other)),
                 None => crowded.push(keyframe),
@@ -115,6 +126,7 @@ impl<'a> Covisibility<'a> {
             others.contains(keyframe)
                 || lists.listed(*keyframe).is_some_and(is_other)
                 || lists.edges(*keyframe).iter().any(|(other, _)| others.contains(other))
+                || self.index.along_drive(*keyframe).iter().any(|other| others.contains(other))
         })
     }
 
@@ -173,23 +185,41 @@ impl<'a> Covisibility<'a> {
         sharing
     }
 
-    /// Returns the neighbours, ascending, each with the map points it shares, if they are enough, and the edge that is
-    /// a fact.
-    fn joined(
-        self,
-        keyframe: KeyframeSeq,
-    ) -> impl Iterator<Item = (KeyframeSeq, u32, Option<Edge>)> + use<'a> {
+    /// Returns the neighbours, ascending.
+    fn joined(self, keyframe: KeyframeSeq) -> impl Iterator<Item = Joined> + use<'a> {
         let (sharing, edges) = (self.sharing(keyframe), self.index.lists.edges(keyframe));
-        let (mut at, mut at_edge) = (0, 0);
+        let along_drive = self.index.along_drive(keyframe);
+        let (mut at, mut at_edge, mut at_drive) = (0, 0, 0);
         std::iter::from_fn(move || {
-            let (neighbour, edge) = (sharing.get(at).copied(), edges.get(at_edge).copied());
-            let next =
-                neighbour.map(|(other, _)| other).into_iter().chain(edge.map(|(other, _)| other)).min()?;
-            let neighbour = neighbour.filter(|(other, _)| *other == next);
-            let edge = edge.filter(|(other, _)| *other == next);
-            (at, at_edge) = (at + usize::from(neighbour.is_some()), at_edge + usize::from(edge.is_some()));
-            Some((next, neighbour.map_or(0, |(_, points)| points), edge.map(|(_, edge)| edge)))
+            let neighbour = sharing.get(at).copied();
+            let (edge, on_drive) = (edges.get(at_edge).copied(), along_drive.get(at_drive).copied());
+            let known = [neighbour.map(|(other, _)| other), edge.map(|(other, _)| other), on_drive];
+            let other = known.into_iter().flatten().min()?;
+            let neighbour = neighbour.filter(|(of, _)| *of == other);
+            let edge = edge.filter(|(of, _)| *of == other).map(|(_, edge)| edge);
+            let is_on_drive = on_drive == Some(other);
+            at += usize::from(neighbour.is_some());
+            at_edge += usize::from(edge.is_some());
+            at_drive += usize::from(is_on_drive);
+            Some(Joined { other, points: neighbour.map_or(0, |(_, points)| points), edge, is_on_drive })
         })
+    }
+}
+
+/// A neighbour, and why it is one.
+struct Joined {
+    other: KeyframeSeq,
+    /// The map points it shares, if they are enough; else 0.
+    points: u32,
+    /// The edge that is a fact.
+    edge: Option<Edge>,
+    /// Whether it is near along the drive (M62).
+    is_on_drive: bool,
+}
+
+impl Joined {
+    fn is_by_sight(&self) -> bool {
+        self.points > 0 || self.is_on_drive || self.edge.is_some_and(|edge| edge.declared.is_some())
     }
 }
 

@@ -52,6 +52,8 @@ pub struct MapIndex {
     pub(super) holders: Holders,
     pub(super) lists: CovisibilityLists,
     pub(super) odometer: Odometer,
+    /// Derived: how many keyframes of a session are unlinked, where any is (M62).
+    pub(super) unlinked: BTreeMap<SessionSeq, u32>,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     pub(super) seen_by: DenseMap<BTreeSet<AnchorSeq>>,
     pub(super) objects: Objects,

@@ -4,6 +4,7 @@
 //! sequence of requests. So nothing here may depend on the order in which facts arrived
 //! other than through the numbers that are facts themselves.
 
+mod along_drive;
 mod anchor;
 mod apply;
 mod changed_observations;

@@ -11,7 +11,8 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use crate::domain::change::Keyframe;
-use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, SessionSeq};
+use crate::domain::keyframe::Stamp;
 use crate::recognition::map::dense_map::DenseMap;
 
 /// Keyframes of a block: enough that blocks are few, and few enough to be moved along at an insert.
@@ -75,7 +76,7 @@ impl Odometer {
     /// Returns where a keyframe stands on its session's way.
     pub(super) fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
         let blocks = self.sessions.get(&keyframe.session)?;
-        let place = find(blocks, keyframe, keyframes).ok()?;
+        let place = find(blocks, keyframe.stamp, &keyframe.id, keyframes).ok()?;
         let (before, rest) = blocks.split_at(place.block);
         let own = &rest.first()?.steps[..=place.at];
         let breaks = before.iter().map(|block| block.breaks).sum::<usize>()
@@ -91,7 +92,7 @@ impl Odometer {
         if blocks.is_empty() {
             blocks.push(Block::default());
         }
-        let Err(place) = find(blocks, keyframe, keyframes) else { return };
+        let Err(place) = find(blocks, keyframe.stamp, &keyframe.id, keyframes) else { return };
         blocks[place.block].insert(place.at, Step { keyframe: keyframe.seq, way_um: None });
         measure_around(blocks, place, measure);
         split(blocks, place.block);
@@ -105,7 +106,7 @@ impl Odometer {
         measure: Measure<'_>,
     ) {
         let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
-        let Ok(mut place) = find(blocks, keyframe, keyframes) else { return };
+        let Ok(mut place) = find(blocks, keyframe.stamp, &keyframe.id, keyframes) else { return };
         blocks[place.block].remove(place.at);
         if blocks[place.block].steps.is_empty() {
             blocks.remove(place.block);
@@ -127,7 +128,7 @@ impl Odometer {
         measure: Measure<'_>,
     ) {
         let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
-        if let Ok(place) = find(blocks, keyframe, keyframes) {
+        if let Ok(place) = find(blocks, keyframe.stamp, &keyframe.id, keyframes) {
             measure_around(blocks, place, measure);
         }
     }
@@ -188,14 +189,15 @@ impl Block {
     }
 }
 
-/// Finds a keyframe, or where it belongs. There is at least one block, and no block is empty but a session's first.
+/// Finds a keyframe by its stamp and name, or where it belongs. There is at least one block, and no block is empty but a session's first.
 pub(super) fn find(
     blocks: &[Block],
-    keyframe: &Keyframe,
+    stamp: Stamp,
+    id: &KeyframeId,
     keyframes: &DenseMap<Keyframe>,
 ) -> Result<Place, Place> {
     let by_stamp = |step: &Step| match keyframes.get(step.keyframe.index()) {
-        Some(other) => (other.stamp, &other.id).cmp(&(keyframe.stamp, &keyframe.id)),
+        Some(other) => (other.stamp, &other.id).cmp(&(stamp, id)),
         None => Ordering::Less,
     };
     let starts_before =

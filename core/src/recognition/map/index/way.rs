@@ -4,6 +4,7 @@ use super::map_index::MapIndex;
 use super::odometer::{Measure, Milestone, Odometer, UM_PER_M, before, find, step_after};
 use crate::domain::change::Keyframe;
 use crate::domain::ids::KeyframeSeq;
+use crate::geometry::Point3;
 use crate::recognition::map::dense_map::DenseMap;
 
 /// The longest step that is counted, in metres: a million keyframes of it fit a `u64` of micrometres.
@@ -19,7 +20,7 @@ impl MapIndex {
     pub fn way_back(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
         let place = self.keyframe(from).and_then(|keyframe| {
             let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            Some((blocks, find(blocks, keyframe, &self.keyframes).ok()?))
+            Some((blocks, find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?))
         });
         let steps = place.into_iter().flat_map(|(blocks, place)| {
             let (before, rest) = blocks.split_at(place.block);
@@ -34,7 +35,7 @@ impl MapIndex {
     pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
         let steps = self.keyframe(keyframe).and_then(|keyframe| {
             let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            let place = find(blocks, keyframe, &self.keyframes).ok()?;
+            let place = find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?;
             let own = blocks[place.block].steps.get(place.at)?;
             let to_own = before(blocks, place).zip(own.way_um);
             let next = step_after(blocks, place).and_then(|step| Some((step.keyframe, step.way_um?)));
@@ -92,7 +93,11 @@ impl MapIndex {
             return None;
         }
         let centre = |seq| Some(self.keyframe(seq)?.map_from_camera.centre());
-        let length_m = (centre(to)? - centre(from)?).norm().min(STEP_MAX_M);
-        Some((length_m * UM_PER_M).round() as u64)
+        Some(step_length_um(centre(from)?, centre(to)?))
     }
+}
+
+/// Returns the length of a step between two places, in micrometres.
+pub(super) fn step_length_um(from: Point3, to: Point3) -> u64 {
+    ((to - from).norm().min(STEP_MAX_M) * UM_PER_M).round() as u64
 }

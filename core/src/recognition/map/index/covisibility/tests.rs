@@ -16,8 +16,18 @@ use crate::geometry::Pose;
 
 #[derive(Clone, Debug)]
 enum Step {
-    Add { session: u32, observes: BTreeSet<PointId>, declared: Option<(u32, u32)> },
-    Observe { seq: u32, observes: BTreeSet<PointId>, declared: Option<(u32, u32)> },
+    /// `at` is the second, and the place in metres; `declared` has a list, and perhaps a keyframe in it.
+    Add {
+        session: u32,
+        at: (u8, u8),
+        observes: BTreeSet<PointId>,
+        declared: Option<Vec<(u32, u32)>>,
+    },
+    Observe {
+        seq: u32,
+        observes: BTreeSet<PointId>,
+        declared: Option<(u32, u32)>,
+    },
     Remove(u32),
     Close(u32, u32, u32),
     Revoke(u32),
@@ -25,11 +35,12 @@ enum Step {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let add =
-        (0..2_u32, prop::collection::btree_set(0..8_i64, 0..8), prop::option::of((0..12_u32, 0..9_u32)));
+    let points = || prop_oneof![Just(BTreeSet::new()), prop::collection::btree_set(0..8_i64, 0..8)];
+    let list = prop::option::of(prop::collection::vec((0..12_u32, 0..9_u32), 0..2));
+    let add = (0..2_u32, (0..40_u8, 0..12_u8), points(), list);
     prop_oneof![
-        8 => add.prop_map(|(session, observes, declared)| Step::Add { session, observes, declared }),
-        3 => (0..20_u32, prop::collection::btree_set(0..8_i64, 0..8), prop::option::of((0..20_u32, 0..9_u32)))
+        8 => add.prop_map(|(session, at, observes, declared)| Step::Add { session, at, observes, declared }),
+        3 => (0..20_u32, points(), prop::option::of((0..20_u32, 0..9_u32)))
             .prop_map(|(seq, observes, declared)| Step::Observe { seq, observes, declared }),
         2 => (0..20_u32).prop_map(Step::Remove),
         1 => (0..3_u32, 0..20_u32, 0..20_u32).prop_map(|(id, a, b)| Step::Close(id, a, b)),
@@ -58,21 +69,21 @@ fn enough(min: u32) -> Change {
 
 fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
     match step {
-        Step::Add { session, observes, declared } => {
-            let declared = declared.map(|(other, points)| (KeyframeSeq(other), points));
+        Step::Add { session, at: (second, metre), observes, declared } => {
+            let list = |listed: &Vec<(u32, u32)>| {
+                let listed = listed.iter().map(|(other, points)| (KeyframeSeq(*other), *points));
+                listed.filter(|(other, _)| index.keyframe(*other).is_some()).collect()
+            };
             let keyframe = Keyframe {
                 seq: index.next_keyframe(),
                 id: keyframe_id(index.next_keyframe()),
                 session: SessionSeq(*session),
-                stamp: Stamp { sec: 0, nanosec: 0 },
-                map_from_camera: Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap(),
+                stamp: Stamp { sec: i64::from(*second), nanosec: 0 },
+                map_from_camera: Pose::new([f64::from(*metre), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
                 camera: None,
                 gravity: None,
                 observes: observes.iter().copied().collect(),
-                declared: declared
-                    .into_iter()
-                    .filter(|(other, _)| index.keyframe(*other).is_some())
-                    .collect(),
+                declared: declared.as_ref().map(list),
                 renamed: None,
                 bytes: 1,
             };
@@ -80,17 +91,18 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
         }
         Step::Observe { seq, observes, declared } => {
             let keyframe = index.keyframe(KeyframeSeq(*seq))?;
-            let mut all = keyframe.declared.to_vec();
+            let mut all = keyframe.declared.clone().map(Vec::from);
             let is_other = |other: &KeyframeSeq| other.0 != *seq && index.keyframe(*other).is_some();
             let declared = declared.map(|(other, points)| (KeyframeSeq(other), points));
             if let Some((other, points)) = declared.filter(|(other, _)| is_other(other)) {
+                let all = all.get_or_insert_default();
                 all.retain(|(known, _)| *known != other);
                 all.push((other, points));
             }
             let points = PointsOfKeyframe {
                 keyframe: keyframe.seq,
                 observes: observes.iter().copied().collect(),
-                declared: all.into(),
+                declared: all.map(Into::into),
                 renamed: Renamed::default(),
                 bytes: 1,
             };
@@ -117,8 +129,8 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
     }
 }
 
-/// Why two keyframes are covisible: shared points, if enough; the number declared; a loop.
-type Reasons = (u32, Option<u32>, bool);
+/// Why two keyframes are covisible: shared points, if enough; the number declared; a loop; the drive.
+type Reasons = (u32, Option<u32>, bool, bool);
 
 fn by_the_letter(index: &MapIndex, a: &Keyframe, b: &Keyframe) -> Option<Reasons> {
     let of_b: BTreeSet<PointId> = b.observes.iter().collect();
@@ -126,13 +138,32 @@ fn by_the_letter(index: &MapIndex, a: &Keyframe, b: &Keyframe) -> Option<Reasons
     let is_enough =
         a.session == b.session && common >= index.properties().settings.covisibility_min_shared_points;
     let told = |by: &Keyframe, of: &Keyframe| {
-        by.declared.iter().find(|(other, _)| *other == of.seq).map(|(_, points)| *points)
+        by.declared().iter().find(|(other, _)| *other == of.seq).map(|(_, points)| *points)
     };
     let joined = index.loops().values().any(|closed| {
         [(closed.keyframe, closed.candidate), (closed.candidate, closed.keyframe)].contains(&(a.seq, b.seq))
     });
-    let reasons = (if is_enough { common } else { 0 }, told(a, b).max(told(b, a)), joined);
-    (a.seq != b.seq && (reasons.0 > 0 || reasons.1.is_some() || joined)).then_some(reasons)
+    let near = are_near(index, a, b);
+    let reasons = (if is_enough { common } else { 0 }, told(a, b).max(told(b, a)), joined, near);
+    (a.seq != b.seq && (reasons.0 > 0 || reasons.1.is_some() || joined || near)).then_some(reasons)
+}
+
+fn are_near(index: &MapIndex, a: &Keyframe, b: &Keyframe) -> bool {
+    let order = |keyframe: &Keyframe| (keyframe.stamp, keyframe.id.clone());
+    let (first, last) = (order(a).min(order(b)), order(a).max(order(b)));
+    let mut drive: Vec<&Keyframe> =
+        index.keyframes().filter(|keyframe| keyframe.session == a.session).collect();
+    drive.retain(|keyframe| (first.clone()..=last.clone()).contains(&order(keyframe)));
+    drive.sort_by_key(|keyframe| order(keyframe));
+    let centre = |keyframe: &Keyframe| keyframe.map_from_camera.centre();
+    let way_m: f64 = drive.windows(2).map(|pair| (centre(pair[1]) - centre(pair[0])).norm()).sum();
+    let is_unlinked = |keyframe: &Keyframe| keyframe.observes.iter().next().is_none();
+    a.session == b.session
+        && a.declared.is_none()
+        && b.declared.is_none()
+        && (is_unlinked(a) || is_unlinked(b))
+        && way_m <= 3.0
+        && (a.stamp.sec - b.stamp.sec).abs() <= 20
 }
 
 fn check(index: &MapIndex, some: &BTreeSet<u32>) {
@@ -145,7 +176,7 @@ fn check(index: &MapIndex, some: &BTreeSet<u32>) {
         assert_eq!(graph.neighbours(a.seq).collect::<Vec<_>>(), neighbours);
         assert_eq!(graph.degree(a.seq), letter.len());
         let shared: Vec<_> =
-            letter.iter().map(|(seq, (points, told, _))| (*seq, *points.max(&told.unwrap_or(0)))).collect();
+            letter.iter().map(|(seq, (points, told, ..))| (*seq, *points.max(&told.unwrap_or(0)))).collect();
         assert_eq!(graph.shared(a.seq).collect::<Vec<_>>(), shared);
         let sharing: Vec<_> =
             letter.iter().filter(|(_, reasons)| reasons.0 > 0).map(|(seq, _)| *seq).collect();
@@ -153,8 +184,11 @@ fn check(index: &MapIndex, some: &BTreeSet<u32>) {
         for b in index.keyframes() {
             let reasons = by_the_letter(index, a, b);
             assert_eq!(graph.joins(a.seq, b.seq), reasons.is_some());
-            let by_sight = reasons.is_some_and(|(points, told, _)| points > 0 || told.is_some());
+            let by_sight =
+                reasons.is_some_and(|(points, told, _, near)| points > 0 || told.is_some() || near);
             assert_eq!(graph.joins_by_sight(a.seq, b.seq), by_sight);
+            let is_neighbour = graph.neighbours_by_sight(a.seq).any(|other| other == b.seq);
+            assert_eq!(is_neighbour, by_sight);
         }
         around.insert(a.seq, neighbours);
     }
@@ -208,7 +242,7 @@ proptest! {
 fn keyframes_of_one_place_are_not_listed() {
     let mut index = MapIndex::default();
     for _ in 0..50 {
-        let step = Step::Add { session: 0, observes: (0..15).collect(), declared: None };
+        let step = Step::Add { session: 0, at: (0, 0), observes: (0..15).collect(), declared: None };
         let change = change_of(&index, &step).unwrap();
         index.apply(&[change]);
     }

@@ -17,7 +17,7 @@ fn keyframe(seq: u32, session: u32, sec: i64, x_m: f64) -> Keyframe {
         camera: None,
         gravity: None,
         observes: PointList::default(),
-        declared: Box::default(),
+        declared: None,
         renamed: None,
         bytes: 0,
     }
