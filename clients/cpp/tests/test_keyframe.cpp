@@ -50,7 +50,7 @@ static void a_bad_keyframe_is_refused_with_its_field() {
         {"/map_points/positions/5", [](Keyframe& k) { k.map_points.positions[5][2] = nan_value; }},
         {"/map_points/ids/5", [](Keyframe& k) { k.map_points.ids[5] = -1; }},
         {"/observes/0", [](Keyframe& k) { k.observes = {-1}; }},
-        {"/covisible/0/keyframe", [](Keyframe& k) { k.covisible = {{"", 3}}; }},
+        {"/covisible/0/keyframe", [](Keyframe& k) { k.covisible = std::vector<Covisible>{{"", 3}}; }},
         {"/detections/0/class", [](Keyframe& k) { k.detections.emplace_back(); }},
         {"/detections/0/confidence", [](Keyframe& k) { k.detections = samples::plate("a", 0, 0, "1").detections, k.detections[0].confidence = 1.5; }},
         {"/detections/0/box", [](Keyframe& k) { k.detections = samples::plate("a", 0, 0, "1").detections, k.detections[0].box[2] = 1; }},

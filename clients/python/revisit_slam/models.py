@@ -291,7 +291,9 @@ class ReasonCode(OpenEnum):
     `measured` of them here, and no other one shares a word or an anchor with it (rejects).
     """
     ALREADY_CLOSED = "already_closed"
-    """The loop was confirmed before, and no other keyframe is one (rejects)."""
+    """The loop was confirmed before, or one of the same return was that joined all that matches; no other
+    keyframe is one (rejects).
+    """
     EMPTY_BOW = "empty_bow"
     """The query has no words (a blank wall?), and no anchor proposes a candidate (undecided)."""
     BOW_BELOW_REFERENCE = "bow_below_reference"
@@ -714,7 +716,10 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     observes_i64: str | None = None
     """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
-    """Covisible keyframes known to the client, also across sessions; each must exist."""
+    """Covisible keyframes known to the client, also across sessions; each must exist. An empty list says
+    that there are none. Left out, and without map points: the keyframes near along the drive count as
+    covisible (`covisibility_max_way_m`).
+    """
     detections: list[Detection] | None = None
     """The objects detected in it."""
 
@@ -1262,7 +1267,10 @@ class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     observes_i64: str | None = None
     """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
-    """Covisible keyframes known to the client, also across sessions; each must exist."""
+    """Covisible keyframes known to the client, also across sessions; each must exist. An empty list says
+    that there are none. Left out, and without map points: the keyframes near along the drive count as
+    covisible (`covisibility_max_way_m`).
+    """
     detections: list[Detection] | None = None
     """The objects detected in it."""
 
@@ -1343,7 +1351,9 @@ class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
     covisible: list[CovisibleKeyframe]
     """The covisible keyframes that its client declared; all of them are listed at `.../covisible`."""
     covisible_total: int
-    """How many keyframes are covisible with it, by shared points or by declaration."""
+    """How many keyframes are covisible with it: by shared points, by declaration, by a confirmed loop or
+    along the drive.
+    """
     detections: list[DetectionView]
     """Its detections, each with what became of it."""
     camera: Camera | None = None
@@ -1583,6 +1593,8 @@ class LoopQueryBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Maximum wait for models that are still judging, in milliseconds."""
     seed: int | None = None
     """The seed of what is drawn at random."""
+    again: bool | None = None
+    """Whether a loop that repeats a confirmed one is a `loop`, too, and not `already_closed`."""
 
 
 class LoopRevoked(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2324,6 +2336,12 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """§IV-C.1: sigma, the least share of a detection's map points that an anchor's box must cover"""
     covisibility_min_shared_points: int | None = None
     """ORB-SLAM: keyframes of a session that share at least this many map points are covisible"""
+    covisibility_max_way_m: float | None = None
+    """ours: a keyframe without map points and without `covisible` is covisible with the keyframes of its
+    session to which the robot drove no farther, in metres; 0 joins none
+    """
+    covisibility_max_gap_s: float | None = None
+    """ours: and that were taken no longer before or after it, by their clock, in seconds"""
     description_min_information_level: int | None = None
     """§IV-B: an anchor is valid when its description's InformationLevel is no smaller"""
     description_min_crop_area_px: float | None = None
@@ -2406,6 +2424,8 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ours: where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as
     candidates in its stead
     """
+    returns_close_once: bool | None = None
+    """ours: a loop that repeats a confirmed one is `already_closed`: all that matches was made one by it"""
     neighbours_vouch: bool | None = None
     """ours: where there are no anchors, or all that agrees hangs in several places, it is a loop if
     geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop

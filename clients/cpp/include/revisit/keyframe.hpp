@@ -98,7 +98,8 @@ struct Keyframe {
     MapPoints map_points;
     /// Points observed beyond those of `features.map_points`.
     std::vector<std::int64_t> observes;
-    std::vector<Covisible> covisible;
+    /// Covisible keyframes. An empty list says that there are none. Absent, and without map points, those near along the drive are.
+    std::optional<std::vector<Covisible>> covisible;
     std::vector<Detection> detections;
 };
 
@@ -272,8 +273,8 @@ inline Status check(const Keyframe& keyframe) noexcept {
             if (!(std::fabs(norm - 1) <= limits::gravity_norm_error)) good = checker.refuse("not a unit vector", "/gravity");
         }
         good = good && detail::check_features(checker, keyframe.features) && detail::check_map_points(checker, keyframe.map_points, limits::map_points) &&
-               checker.points(keyframe.observes, limits::map_points, 0, "/observes") && checker.count(keyframe.covisible.size(), limits::covisible, "/covisible");
-        for (std::size_t i = 0; good && i < keyframe.covisible.size(); ++i) good = checker.id(keyframe.covisible[i].keyframe, "/covisible/", i, "/keyframe");
+               checker.points(keyframe.observes, limits::map_points, 0, "/observes") && checker.count(keyframe.covisible ? keyframe.covisible->size() : 0, limits::covisible, "/covisible");
+        for (std::size_t i = 0; good && keyframe.covisible && i < keyframe.covisible->size(); ++i) good = checker.id((*keyframe.covisible)[i].keyframe, "/covisible/", i, "/keyframe");
         good = good && checker.count(keyframe.detections.size(), limits::detections, "/detections");
         for (std::size_t i = 0; good && i < keyframe.detections.size(); ++i) good = detail::check_detection(checker, keyframe.detections[i], i);
         return checker.status();

@@ -239,7 +239,7 @@ inline void append_keyframe(std::string& out, const Keyframe& keyframe, const Pr
     if (!keyframe.features.keypoints.empty()) append_features(object.name("features"), keyframe.features, precision.keypoint_decimals);
     if (!keyframe.map_points.ids.empty()) append_map_points(object.name("map_points"), keyframe.map_points, precision.position_decimals);
     if (!keyframe.observes.empty()) append_integers(object, "observes", "observes_i64", keyframe.observes);
-    if (!keyframe.covisible.empty()) append_covisible(object.name("covisible"), keyframe.covisible);
+    if (keyframe.covisible) append_covisible(object.name("covisible"), *keyframe.covisible);
     if (!keyframe.detections.empty()) {
         object.name("detections") += '[';
         for (std::size_t i = 0; i < keyframe.detections.size(); ++i) {

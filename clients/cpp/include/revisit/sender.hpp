@@ -186,7 +186,7 @@ private:
     static std::size_t bytes_of(const Keyframe& keyframe) noexcept {
         std::size_t bytes = keyframe.features.descriptors.size() + keyframe.features.keypoints.size() * sizeof(Keypoint) + keyframe.features.map_points.size() * 8 +
                             keyframe.bow.words.size() * 12 + keyframe.map_points.ids.size() * 32 + keyframe.observes.size() * 8 +
-                            keyframe.covisible.size() * sizeof(Covisible);
+                            (keyframe.covisible ? keyframe.covisible->size() * sizeof(Covisible) : 0);
         for (const auto& detection : keyframe.detections)
             bytes += sizeof detection + detection.crop.size() + detection.text.size() + detection.description.size() + detection.map_points.size() * 8;
         return bytes;
@@ -307,7 +307,9 @@ private:
 
     /// Whether a keyframe may share a request: a question has its own, and declared edges may name one that the same batch loses.
     static bool can_be_batched(const Item& item) noexcept {
-        return item.kind == Outcome::Kind::keyframe && !item.question && std::get<Keyframe>(item.payload).covisible.empty();
+        if (item.kind != Outcome::Kind::keyframe || item.question) return false;
+        const auto& listed = std::get<Keyframe>(item.payload).covisible;
+        return !listed || listed->empty();
     }
 
     /// Forgets an item that is settled.
@@ -496,7 +498,7 @@ private:
                     if (item.question->brief) call.query.emplace_back("detail", "brief");
                 }
                 auto& keyframe = std::get<Keyframe>(item.payload);
-                missing_.leave_out_of(keyframe.covisible);
+                if (keyframe.covisible) missing_.leave_out_of(*keyframe.covisible);
                 detail::append_keyframe(call.body, keyframe, options_.precision);
                 break;
             }

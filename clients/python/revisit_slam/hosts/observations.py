@@ -102,6 +102,13 @@ class ObservationsBridge:
         for moment_ns, found in self._together.add(topic, stamp_ns(message.header), message):
             self._moment(moment_ns, found)
 
+    def _covisible(self) -> dict[str, int] | None:
+        # The server knows that two keyframes one after the other see much of the same, but where they have map points, which
+        # here are each keyframe's own.
+        if self._setup.describe is None:
+            return None
+        return {self._last[0]: 1} if self._last is not None else {}
+
     def _moment(self, moment_ns: int, found: dict[str, Any]) -> None:
         if self._camera is None:
             self.without_camera += 1
@@ -113,8 +120,7 @@ class ObservationsBridge:
         id = f"{self._setup.session}-{moment_ns}"
         seen = Observation(
             id, self._setup.session, moment_ns, pose, self._camera,
-            # Two keyframes one after the other see much of the same.
-            covisible={self._last[0]: 1} if self._last is not None else {},
+            covisible=self._covisible(),
             detections=detections_of(found["detections"].detections, self._camera, pose, picture, self._setup.reading),
         )  # fmt: skip
         body = seen.body(id)

@@ -102,8 +102,8 @@ class Observation:
     observes: list[int] = field(default_factory=list)
     placed: dict[int, Any] = field(default_factory=dict)
     """Positions of the map points that no earlier keyframe placed, in the session's frame."""
-    covisible: dict[str, int] = field(default_factory=dict)
-    """Earlier keyframes that the system itself joins with this one, and how much they share."""
+    covisible: dict[str, int] | None = None
+    """Earlier keyframes that the system itself joins with this one, and how much they share; None where it does not say."""
     loops: list[str] = field(default_factory=list)
     """Earlier keyframes to which the system closed a loop from this one."""
     detections: list[dict[str, Any]] = field(default_factory=list)
@@ -134,7 +134,7 @@ class Observation:
             }
         if self.observes:
             body["observes"] = self.observes
-        if self.covisible:
+        if self.covisible is not None:
             most = sorted(self.covisible.items(), key=lambda item: (-item[1], item[0]))[:MAX_COVISIBLE]
             body["covisible"] = [{"keyframe": id, "shared": shared} for id, shared in sorted(most)]
         if self.detections:

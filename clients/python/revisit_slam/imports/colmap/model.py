@@ -71,7 +71,7 @@ def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, notes: list[str])
             new = {id: found[id] for id in placed.new_of(observes)}
             yield Observation(
                 ids[image.name], session, stamps[image.name], _pose(image, scale, where), cameras[image.camera].pinhole,
-                observes=observes, placed=new, covisible=pairs.earlier(image.name, earlier) if pairs else {},
+                observes=observes, placed=new, covisible=pairs.earlier(image.name, earlier) if pairs else None,
             )  # fmt: skip
             earlier[image.name] = ids[image.name]
         points.find([], "")
