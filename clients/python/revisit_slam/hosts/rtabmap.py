@@ -113,7 +113,6 @@ class RtabmapBridge:
         seen = observation_of(node, graph, self._name, "MapData")
         if seen is None:
             return
-        seen.covisible = {}
         for one, other, kind in graph.links:
             near = self._names.get(other if one == id else one) if id in (one, other) else None
             # Of loops the server is asked; that consecutive nodes see the same it need not find out.

@@ -95,7 +95,6 @@ class Database:
         landmarks = self._landmarks(id, where)
         seen.detections.extend(detections_of(landmarks, map_from_base, mounted.base_from_camera, mounted.camera))
         self._keep(id, seen.words or Counter())
-        seen.covisible = {}
         for to, kind in self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,)):
             if to not in self._names or to >= id:
                 continue

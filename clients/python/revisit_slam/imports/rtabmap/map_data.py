@@ -96,7 +96,6 @@ def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, notes: list[
                 left_out += 1
                 continue
             left_graph += here is not final
-            seen.covisible = {}
             for other, kind in near:
                 if other not in names:
                     continue

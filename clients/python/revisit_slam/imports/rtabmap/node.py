@@ -52,6 +52,7 @@ def observation(
     return Observation(
         *names, stamp_ns, map_from_base @ mounted.base_from_camera, mounted.camera,
         words=counted, vocabulary=vocabulary, features=features, placed=placed,
+        covisible={},  # The links of the graph say which: they follow.
     )  # fmt: skip
 
 
