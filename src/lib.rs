@@ -4,6 +4,8 @@
 //! the crate `revisit_core`.
 
 pub mod api;
+#[cfg(feature = "hotel")]
+pub mod buildings;
 pub mod cli;
 pub mod client;
 pub mod config;

@@ -5,6 +5,8 @@
 
 mod bad_input;
 mod bounds;
+#[cfg(feature = "hotel")]
+mod buildings;
 mod closing;
 mod cluster;
 mod codes;

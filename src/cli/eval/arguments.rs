@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::buildings::BuildingsArgs;
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
 use crate::cli::failure::Failure;
@@ -22,6 +23,7 @@ pub struct EvalArgs {
 #[derive(Debug, Subcommand)]
 pub(super) enum Experiment {
     Hotel(HotelArgs),
+    Buildings(BuildingsArgs),
 }
 
 /// Drive a robot through simulated hotels, and score the loops that the server reports.
@@ -184,7 +186,7 @@ mod tests {
     fn hotel(line: &str) -> Result<HotelArgs, clap::Error> {
         let parsed =
             OnlyEval::try_parse_from(["revisit", "hotel"].into_iter().chain(line.split_whitespace()))?;
-        let Experiment::Hotel(args) = parsed.eval.experiment;
+        let Experiment::Hotel(args) = parsed.eval.experiment else { panic!("another experiment") };
         Ok(args)
     }
 

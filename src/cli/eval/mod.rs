@@ -3,6 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `arguments` | flags and their meaning |
+//! | `buildings` | small buildings of many kinds |
 //! | `sequences` | the paper's twelve sequences: Tables II and III |
 //! | `worlds` | random worlds under noise |
 //! | `record` | a tour as a recording |
@@ -13,6 +14,7 @@
 //! | `progress` | progress display |
 
 mod arguments;
+mod buildings;
 mod driven_worlds;
 mod files;
 mod progress;
@@ -31,7 +33,10 @@ pub use arguments::EvalArgs;
 
 /// Runs `eval`.
 pub async fn run(args: EvalArgs) -> Result<(), Failure> {
-    let Experiment::Hotel(args) = args.experiment;
+    let args = match args.experiment {
+        Experiment::Hotel(args) => args,
+        Experiment::Buildings(args) => return buildings::run(&args).await,
+    };
     if args.hotel == Some(Generator::V2) && args.noise.is_some() {
         return Err("--hotel v2 takes no --noise: it has its own disturbances".into());
     }

@@ -1,0 +1,217 @@
+//! Kinds of buildings: each has one property that deceives place recognition.
+
+use super::naming::Naming;
+
+/// A kind of building.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// Wings that one letter or word of a plate tells apart.
+    Wings,
+    /// The same notices, in several languages, at many doors.
+    Notices,
+    /// Billboards across the street, which every floor sees through its windows.
+    Windows,
+    /// Wings that look alike.
+    CopiedWings,
+    /// The same six pictures on the walls of all rooms, in which sessions begin.
+    Pictures,
+    /// A reader that misreads one character of a plate for a whole passage.
+    Misread,
+    /// A lift between two floors, which odometry does not see.
+    Lift,
+    /// Clients that send poses and detections alone.
+    Bare,
+    /// Floors that one letter of a plate tells apart, under a poor reader.
+    FloorLetters,
+    /// The same brands and names at many doors.
+    Brands,
+    /// Pointers and directories, which name places elsewhere.
+    Directories,
+    /// Wings that are mirror images of each other.
+    MirroredWings,
+    /// A reader that reads railings as numbers.
+    Railings,
+    /// Sessions that begin in rooms that look alike.
+    ClonedStarts,
+    /// Robots whose lengths drift.
+    Stretched,
+    /// Photographs without positions.
+    Photographs,
+}
+
+/// How the wings and floors of a building look beside each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Each its own way.
+    Own,
+    /// Alike.
+    Copied,
+    /// Every other one is a mirror image.
+    Mirrored,
+}
+
+/// What a client sends besides detections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Client {
+    /// Features with map points, by a depth camera.
+    Depth,
+    /// Poses alone.
+    Bare,
+    /// Features without points, poses without positions.
+    Photographs,
+}
+
+/// What may hang in a building besides plates and common signs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extra {
+    /// Notices at doors.
+    Notices,
+    /// Brands at doors.
+    Brands,
+    /// Pictures in corridors.
+    Pictures,
+    /// Billboards seen through windows.
+    Billboards,
+    /// Pointers and directories.
+    Directories,
+}
+
+/// What a kind of building has.
+#[derive(Clone, Debug)]
+pub struct Traits {
+    /// Ways to number doors; the seed draws one.
+    pub naming: &'static [Naming],
+    /// Wings of a floor.
+    pub wings: usize,
+    /// Floors.
+    pub floors: usize,
+    /// How they look beside each other.
+    pub look: Look,
+    /// What hangs there besides plates and common signs.
+    pub hangs: &'static [Extra],
+    /// The share of readings with a wrong or missing character.
+    pub misread: f64,
+    /// The share of plates that a passage reads with one wrong character throughout.
+    pub misread_passage: f64,
+    /// The share of keyframes in which a railing is read.
+    pub railings: f64,
+    /// Whether sessions begin in a room.
+    pub starts_in_room: bool,
+    /// Whether a session takes the lift from one floor to another.
+    pub lift: bool,
+    /// By how much lengths drift over a session.
+    pub stretch: f64,
+    /// What clients send.
+    pub client: Client,
+}
+
+const TUNED: &[Naming] = &[Naming::LetterBlank, Naming::LetterDot, Naming::FloorDash, Naming::Plain];
+const REPORTED: &[Naming] =
+    &[Naming::FloorLetter, Naming::Word, Naming::Ideographs, Naming::Greek, Naming::Labelled];
+
+impl Kind {
+    /// The kinds for tuning and inspection.
+    pub const TUNING: [Self; 8] = [
+        Self::Wings,
+        Self::Notices,
+        Self::Windows,
+        Self::CopiedWings,
+        Self::Pictures,
+        Self::Misread,
+        Self::Lift,
+        Self::Bare,
+    ];
+    /// The kinds for reporting only.
+    pub const HELD_OUT: [Self; 8] = [
+        Self::FloorLetters,
+        Self::Brands,
+        Self::Directories,
+        Self::MirroredWings,
+        Self::Railings,
+        Self::ClonedStarts,
+        Self::Stretched,
+        Self::Photographs,
+    ];
+
+    /// Returns its name for files, maps and arguments.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wings => "wings",
+            Self::Notices => "notices",
+            Self::Windows => "windows",
+            Self::CopiedWings => "copied_wings",
+            Self::Pictures => "pictures",
+            Self::Misread => "misread",
+            Self::Lift => "lift",
+            Self::Bare => "bare",
+            Self::FloorLetters => "floor_letters",
+            Self::Brands => "brands",
+            Self::Directories => "directories",
+            Self::MirroredWings => "mirrored_wings",
+            Self::Railings => "railings",
+            Self::ClonedStarts => "cloned_starts",
+            Self::Stretched => "stretched",
+            Self::Photographs => "photographs",
+        }
+    }
+
+    /// Returns the kind of a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::TUNING.into_iter().chain(Self::HELD_OUT).find(|kind| kind.name() == name)
+    }
+
+    /// Whether it is for reporting only.
+    pub fn is_held_out(self) -> bool {
+        Self::HELD_OUT.contains(&self)
+    }
+
+    /// Returns what a building of the kind has.
+    pub fn traits(self) -> Traits {
+        let plain = Traits {
+            naming: if self.is_held_out() { REPORTED } else { TUNED },
+            wings: 1,
+            floors: 4,
+            look: Look::Copied,
+            hangs: &[],
+            misread: 0.04,
+            misread_passage: 0.0,
+            railings: 0.0,
+            starts_in_room: false,
+            lift: false,
+            stretch: 0.0,
+            client: Client::Depth,
+        };
+        match self {
+            Self::Wings => Traits { wings: 4, floors: 1, look: Look::Own, ..plain },
+            Self::Notices => Traits { hangs: &[Extra::Notices], look: Look::Own, ..plain },
+            Self::Windows => Traits { hangs: &[Extra::Billboards], ..plain },
+            Self::CopiedWings => Traits { wings: 4, floors: 1, hangs: &[Extra::Pictures], ..plain },
+            Self::Pictures => Traits { hangs: &[Extra::Pictures], starts_in_room: true, ..plain },
+            Self::Misread => Traits { misread_passage: 0.15, ..plain },
+            Self::Lift => Traits { lift: true, ..plain },
+            Self::Bare => Traits { client: Client::Bare, hangs: &[Extra::Notices], look: Look::Own, ..plain },
+            Self::FloorLetters => Traits { misread: 0.15, naming: &REPORTED[..1], ..plain },
+            Self::Brands => Traits { hangs: &[Extra::Brands], look: Look::Own, ..plain },
+            Self::Directories => Traits { hangs: &[Extra::Directories], ..plain },
+            Self::MirroredWings => Traits { wings: 4, floors: 1, look: Look::Mirrored, ..plain },
+            Self::Railings => Traits { railings: 0.3, ..plain },
+            Self::ClonedStarts => Traits { starts_in_room: true, ..plain },
+            Self::Stretched => Traits { stretch: 0.12, ..plain },
+            Self::Photographs => Traits { client: Client::Photographs, hangs: &[Extra::Billboards], ..plain },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_kind_for_reporting_numbers_doors_as_kinds_for_tuning_do() {
+        for kind in Kind::HELD_OUT {
+            assert!(kind.is_held_out() && !Kind::TUNING.contains(&kind));
+            assert_eq!(Kind::of_name(kind.name()), Some(kind));
+            assert!(!kind.traits().naming.iter().any(|naming| TUNED.contains(naming)), "{}", kind.name());
+        }
+    }
+}
