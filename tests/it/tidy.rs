@@ -15,6 +15,7 @@ mod tokens;
 const LAYERS: &[&[&str]] = &[
     &["main"],
     &["cli"],
+    &["buildings"],
     &["hotel"],
     &["http", "client"],
     &["engine", "api"],
