@@ -268,7 +268,7 @@ impl Dialogue<'_> {
 fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
     let text = Text::parse(answer);
     let echoes = text == Text::parse(question)
-        || (text.identifiers().is_empty() && rounds.iter().any(|round| Text::parse(&round.answer) == text));
+        || (!text.has_name() && rounds.iter().any(|round| Text::parse(&round.answer) == text));
     (!says_nothing(answer) && !echoes).then(|| answer.to_owned())
 }
 
@@ -279,13 +279,13 @@ fn says_nothing(answer: &str) -> bool {
     let denies = ["no text", "no number", "no name", "no code", "there is no", "none", "nothing", "no "];
     text.information_level() == 1
         || words == "no"
-        || (text.identifiers().is_empty() && denies.iter().any(|denial| words.starts_with(denial)))
+        || (!text.has_name() && denies.iter().any(|denial| words.starts_with(denial)))
 }
 
 /// Whether two answers have the same identifier.
 fn read_twice_alike(rounds: &[Round]) -> bool {
     let values = |round: &Round| -> Vec<String> {
-        Text::parse(&round.answer).identifiers().iter().map(|identifier| identifier.value.clone()).collect()
+        Text::parse(&round.answer).names().map(|name| name.key().to_owned()).collect()
     };
     let Some((last, earlier)) = rounds.split_last() else { return false };
     let last = values(last);
@@ -297,9 +297,8 @@ fn is_backed(summary: &str, rounds: &[Round]) -> bool {
     let answers: Vec<&str> = rounds.iter().map(|round| round.answer.as_str()).collect();
     let known: Vec<Text> = answers.iter().map(|answer| Text::parse(answer)).collect();
     let text = Text::parse(summary);
-    let backed = text.identifiers().iter().all(|claimed| {
-        known.iter().flat_map(Text::identifiers).any(|identifier| identifier.value == claimed.value)
-    });
+    let backs = |answer: &Text| answer.has_name() && !semantics::is_conflict(answer, &text);
+    let backed = !text.has_name() || known.iter().any(backs);
     !says_nothing(summary)
         && backed
         && semantics::has_no_new_digits(summary, &answers)

@@ -7,15 +7,13 @@
 //! |---|---|---|
 //! | canonical spelling | `parsing/normalise.rs` | `clean`, `fold`, `bare` |
 //! | tokens | `parsing/token.rs` | `tokenise` |
-//! | which tokens are identifiers, which are words | `parsing/reading.rs` | `read` |
+//! | which tokens are numbers, which are words | `parsing/reading.rs` | `read` |
 //! | the role and spelling of a number, by the tokens around it | `parsing/context.rs` | `Around` |
 //! | the words with a known worth | `lexicon/dictionary.rs` | `listed` |
 //! | words on the signs of every building | `lexicon/generic.rs` | `phrase` |
 //! | a word or such a word misread, and its worth | `lexicon/misreading.rs` | `misread`, `class_of` |
-//! | words that only frame a description | `parsing/frame.rs` | `Frame` |
-//! | colour, material and number of a thing | `parsing/looks.rs` | `Looks` |
+//! | sentences of models and people about what is to be seen | `parsing/caption.rs` | `is_caption`, `is_noun` |
 //! | room, floor, gate, ... | `lexicon/role.rs` | [`Role`], `role_of` |
-//! | a number as it stands in a text, with its role | `names/identifier.rs` | [`Identifier`] |
 //! | the names in a text | `parsing/naming.rs` | `names` |
 //! | a name: its parts in order, in one spelling | `names/name.rs`, `names/spelling.rs` | [`Name`] |
 //! | the same, different, unsure or open | `names/relation.rs` | `compare`, [`conflict`] |
@@ -27,10 +25,10 @@
 //! | measures, dates, prices, counts | `parsing/quantity.rs` | `tokens_at` |
 //! | left, right, arrows | `parsing/direction.rs` | `Directions` |
 //! | sets of words and their likeness | `lexicon/words.rs` | `overlap`, `prefix` |
-//! | a parsed description | `text.rs` | [`Text::parse`] |
+//! | a parsed description, and which to compare at all | `text.rs` | [`Text::parse`], [`Text::keys`] |
 //! | what decides about texts without a rare word in common | `judge/profile.rs` | [`Profile`] |
 //! | signs of every building | `judge/common_sign.rs` | [`is_common_sign`] |
-//! | InformationLevel, and why | `judge/information.rs`, `judge/information_reason.rs` | [`information()`] |
+//! | InformationLevel, and why | `judge/information.rs` | [`information()`] |
 //! | name, notice, common sign, description, code or unknown | `judge/kind.rs` | [`TextKind`] |
 //! | SimilarityLevel: the rules | `judge/similarity.rs` | [`similarity()`], [`similarity_level`] |
 //! | what a level rests on | `judge/evidence.rs` | `Evidence` |
@@ -39,7 +37,6 @@
 //! | what a model may be asked, and what binds it | `models/judge_routing.rs` | [`route_similarity`], [`bound_similarity`] |
 //! | a text as a model's vector | `models/embedding.rs` | [`Embedding`] |
 //! | text that addresses a model | `models/prompt_injection.rs` | [`addresses_a_model`] |
-//! | which texts to compare at all | `judge/blocking_keys.rs` | [`Text::keys`] |
 
 mod judge;
 mod lexicon;
@@ -59,8 +56,7 @@ mod schemes;
 
 pub use judge::common_sign::is_common_sign;
 pub use judge::evidence::Source;
-pub use judge::information::ENOUGH_SPECIFIC_WORDS;
-pub use judge::information_reason::information;
+pub use judge::information::{ENOUGH_SPECIFIC_WORDS, information};
 pub use judge::kind::TextKind;
 pub use judge::merge::merge;
 pub use judge::profile::Profile;
@@ -72,7 +68,6 @@ pub use models::judge_routing::{
     route_similarity, similarity_is_open,
 };
 pub use models::prompt_injection::addresses_a_model;
-pub use names::identifier::Identifier;
 pub use names::name::Name;
 pub use names::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, SHOWN_FROM_VALUES};
 pub use names::relation::{Conflict, conflict, is_conflict};

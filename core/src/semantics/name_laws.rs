@@ -18,7 +18,7 @@ fn part() -> impl Strategy<Value = String> {
 
 fn is_unlisted(word: &str) -> bool {
     let stem = dictionary::stem(&word.to_lowercase());
-    let is_unit = Text::parse(&format!("1 {word}")).identifiers().is_empty();
+    let is_unit = !Text::parse(&format!("1 {word}")).has_name();
     dictionary::listed(&stem).is_none()
         && role::role_of(&stem).is_none()
         && !dictionary::negates(&stem)

@@ -2,25 +2,20 @@
 
 use std::hash::{Hash, Hasher};
 
-use crate::semantics::judge::blocking_keys;
 use crate::semantics::judge::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
 use crate::semantics::judge::kind::{self, TextKind};
 use crate::semantics::lexicon::dictionary::Class;
 use crate::semantics::lexicon::role::{self, Role};
-use crate::semantics::lexicon::words::Word;
+use crate::semantics::lexicon::stable_hash::hash;
+use crate::semantics::lexicon::words::{self, Word};
 use crate::semantics::names::code;
-use crate::semantics::names::identifier::Identifier;
-use crate::semantics::names::name::{Name, NameBuilder, PartKind};
+use crate::semantics::names::name::{Name, PartKind};
 use crate::semantics::names::numbering::{Numbering, Standing};
 use crate::semantics::names::shape::Shape;
 use crate::semantics::parsing::direction::Directions;
-use crate::semantics::parsing::looks::Looks;
 use crate::semantics::parsing::naming::{self, Names};
-use crate::semantics::parsing::reading::{self, Mention, What};
+use crate::semantics::parsing::reading::{self, Reading};
 use crate::semantics::parsing::{normalise, token};
-
-/// Identifiers kept of one text, so that comparing two hostile texts stays cheap.
-pub const MAX_IDENTIFIERS: usize = 32;
 
 /// A parsed description. Two are equal when their normalised forms are.
 ///
@@ -29,14 +24,13 @@ pub const MAX_IDENTIFIERS: usize = 32;
 #[derive(Clone, Debug)]
 pub struct Text {
     normalised: String,
-    pub(super) identifiers: Vec<Identifier>,
     /// The object's own name, unless it has none or its number is none of the building's.
     pub(super) own: Option<Name>,
     /// Names of the parts of a building around the object, by role.
     pub(super) containers: Vec<(Role, Name)>,
     /// The object's own name, where its number is none of the building's.
     pub(super) foreign: Option<Name>,
-    standing: Standing,
+    pub(super) standing: Standing,
     kind: TextKind,
     gist: Box<str>,
     /// Sorted, without duplicates.
@@ -44,125 +38,75 @@ pub struct Text {
     /// Those of `words` that a "no" or "not" bears on.
     pub(super) negated: Vec<Word>,
     pub(super) directions: Directions,
-    pub(super) looks: Looks,
     pub(super) information: Information,
     keys: Vec<u64>,
 }
 
 impl Text {
-    /// Parses a description. Any text will do; only the first 256 tokens and
-    /// 32 identifiers count.
+    /// Parses a description. Any text will do; only the first 256 tokens count.
     pub fn parse(raw: &str) -> Text {
         Text::under(raw, None)
     }
 
     /// Parses a description in a building whose numbering may be known.
     pub fn under(raw: &str, numbering: Option<&Numbering>) -> Text {
-        let code = if numbering.is_some_and(Numbering::is_of_codes) {
-            Some(code::exact(raw))
-        } else {
-            code::by_form(raw)
-        };
+        let is_code = numbering.is_some_and(Numbering::is_of_codes);
+        let code = if is_code { Some(code::exact(raw)) } else { code::by_form(raw) };
         if let Some(code) = code.filter(|code| !code.is_empty()) {
-            return Text::of_code(code);
+            let names = Names { own: Name::exactly(PartKind::Code, &code), containers: Vec::new() };
+            return Text::of(&code, code.clone(), &Reading::default(), names, None);
         }
         let clean = normalise::clean(raw);
         let normalised = normalise::fold(&clean);
         let tokens = token::tokenise(&normalised);
         let reading = reading::read(&tokens);
-        let looks = Looks::among(&reading.mentions, &tokens);
-        let Names { mut own, containers } = naming::names(&reading, &tokens);
-        let mut identifiers = identifiers_of(&reading.mentions);
+        let names = naming::names(&reading, &tokens);
+        Text::of(&clean, normalised.clone(), &reading, names, numbering)
+    }
+
+    fn of(clean: &str, normalised: String, read: &Reading, names: Names, under: Option<&Numbering>) -> Text {
+        let Names { mut own, containers } = names;
         let gist = gist(&normalised, own.as_ref(), &containers);
         let mut standing = Standing::Whole;
-        if let Some(numbering) = numbering {
-            if numbering.matches_whole(&normalised) {
-                own = whole(&normalised);
-                identifiers.retain(|identifier| !identifier.role.is_container());
-                if identifiers.is_empty() {
-                    identifiers.push(Identifier::new(Role::Neutral, &normalised));
-                }
-            } else if let Some(name) = &own {
-                standing = numbering.standing(name);
+        match (under, &own) {
+            (Some(numbering), _) if numbering.matches_whole(&normalised) => {
+                own = Name::exactly(PartKind::Word, &normalised);
             }
+            (Some(numbering), Some(name)) => standing = numbering.standing(name),
+            _ => {}
         }
         let foreign = if standing == Standing::Foreign { own.take() } else { None };
-        if foreign.is_some() {
-            identifiers.retain(|identifier| identifier.role.is_container());
-        }
-        let (mut words, mut negated) = (Vec::new(), Vec::new());
-        for mention in reading.mentions {
-            if let What::Word { word, negated: denied } = mention.what {
-                if denied {
-                    negated.push(word.clone());
-                }
-                words.push(word);
-            }
-        }
-        for set in [&mut words, &mut negated] {
-            if !containers.is_empty() {
+        let [words, negated] = [false, true].map(|negated_only| {
+            let counts = |word: &&Word| {
                 // The "level" of "Level 5" is in its name.
-                set.retain(|word| !role::names_container(&word.text));
-            }
-            set.sort_unstable();
-            set.dedup();
-        }
-        let directions = Directions::among(&words);
-        let directions = if own.is_some() { directions.without_compass() } else { directions };
-        let information =
-            information::assess(&clean, &normalised, &identifiers, own.is_some(), &words, &negated);
-        let kind = kind::kind(&kind::Found {
-            clean: &clean,
-            name: own.as_ref(),
-            has_containers: !containers.is_empty(),
-            is_doubtful: standing == Standing::Doubtful,
-            is_of_picture: reading.is_of_picture,
-            words: &words,
-            negated: &negated,
-            information: &information,
+                word.class != Class::Function && (containers.is_empty() || !role::names_container(&word.text))
+            };
+            sorted(read.words(negated_only).filter(counts).cloned().collect())
         });
-        // It names nothing here, and is still a difference: "Turing 12" is not "Turing 14".
-        words.extend(foreign.iter().map(|name| Word::of_class(Class::Quantity, name.spelt().to_owned())));
-        words.sort_unstable();
-        words.dedup();
-        let keys = blocking_keys::of_text(own.as_ref(), &containers, &words);
-        Text {
+        let directions = Directions::among(&words);
+        let mut text = Text {
+            directions: if own.is_some() { directions.without_compass() } else { directions },
             normalised,
-            identifiers,
             own,
             containers,
             foreign,
             standing,
-            kind,
+            kind: TextKind::Unknown,
             gist,
             words,
             negated,
-            directions,
-            looks,
-            information,
-            keys,
-        }
-    }
-
-    fn of_code(code: String) -> Text {
-        let own = code::name(&code);
-        let keys = blocking_keys::of_text(own.as_ref(), &[], &[]);
-        Text {
-            identifiers: vec![Identifier::exactly(&code)],
-            own,
-            containers: Vec::new(),
-            foreign: None,
-            standing: Standing::Whole,
-            kind: TextKind::Code,
-            gist: code.as_str().into(),
-            normalised: code,
-            words: Vec::new(),
-            negated: Vec::new(),
-            directions: Directions::default(),
-            looks: Looks::default(),
-            information: Information::of_code(),
-            keys,
-        }
+            information: Information::default(),
+            keys: Vec::new(),
+        };
+        text.information = information::assess(&text, clean, read);
+        text.kind = kind::kind(&text, clean, read);
+        // It names nothing here, and is still a difference: "Turing 12" is not "Turing 14".
+        let foreign =
+            text.foreign.as_ref().map(|name| Word::of_class(Class::Quantity, name.spelt().to_owned()));
+        text.words.extend(foreign);
+        text.words = sorted(text.words);
+        text.keys = text.blocking_keys();
+        text
     }
 
     /// Whether a description reads like this one: it has the same [gist](Self::gist). Parses it only where names are compared.
@@ -205,9 +149,19 @@ impl Text {
         self.own.as_ref().zip(fuller.own.as_ref()).is_some_and(|(part, whole)| part.is_part_of(whole))
     }
 
-    /// Returns the identifiers, sorted, without duplicates.
-    pub fn identifiers(&self) -> &[Identifier] {
-        &self.identifiers
+    /// Returns the object's own name, if it has one of the building's, and those of the parts of a building around it.
+    pub fn names(&self) -> impl Iterator<Item = &Name> {
+        self.own.iter().chain(self.containers.iter().map(|(_, name)| name))
+    }
+
+    /// Whether it names the object, or a part of a building.
+    pub fn has_name(&self) -> bool {
+        self.names().next().is_some()
+    }
+
+    /// Whether it numbers the object itself: "room 901", "HUB 10", but not "Level 5" nor "kitchen, wing B".
+    pub fn has_own_name(&self) -> bool {
+        self.own.is_some()
     }
 
     /// InformationLevel, §IV-A.2: 1 to 5.
@@ -218,10 +172,9 @@ impl Text {
     /// Returns the names and directions, if they alone decide whether this text and another that has an identity, but reads
     /// differently, reach level 4. None where words decide as well.
     pub fn identity(&self) -> Option<Identity> {
-        let own = self.own.as_ref().filter(|_| {
-            self.negated.is_empty() && self.information.level > 1 && self.standing != Standing::Partial
-        })?;
-        let of_container = |(role, name): &(Role, Name)| (role.clone(), name.spelt().into());
+        let is_decisive = self.negated.is_empty() && self.information.level > 1 && !self.is_partial();
+        let own = self.own.as_ref().filter(|_| is_decisive)?;
+        let of_container = |(role, name): &(Role, Name)| (*role, name.spelt().into());
         Some(Identity {
             own: own.spelt().into(),
             is_code: own.is_code(),
@@ -235,18 +188,8 @@ impl Text {
         self.has_name() && self.identity().is_none()
     }
 
-    /// Whether it numbers the object itself: "room 901", "HUB 10", but not "Level 5" nor "kitchen, wing B".
-    pub fn has_own_identifier(&self) -> bool {
-        self.own.is_some()
-    }
-
-    /// Whether it names the object, or a part of a building.
-    pub(super) fn has_name(&self) -> bool {
-        self.own.is_some() || !self.containers.is_empty()
-    }
-
-    /// Whether words tell the object: it says something, has no identifier of its own nor a number that is none of the
-    /// building's, and more than a floor or building.
+    /// Whether words tell the object: it says something, has no name of its own nor a number that is none of the building's,
+    /// and more than a floor or building.
     pub fn is_told_by_words(&self) -> bool {
         self.own.is_none()
             && self.foreign.is_none()
@@ -275,9 +218,22 @@ impl Text {
         self.words.iter().filter(specific).map(|word| word.text.as_str())
     }
 
-    /// Blocking keys, sorted, without duplicates: two informative texts of level 4 or more share one.
+    /// Blocking keys, sorted, without duplicates: two informative texts of level 4 or more share one, so that only texts
+    /// sharing one need comparing.
     pub fn keys(&self) -> &[u64] {
         &self.keys
+    }
+
+    /// Of its own name if it has one, else of its most telling words, else of the floor or building: what is on one side only
+    /// never gives level 4, so these kinds need not meet.
+    fn blocking_keys(&self) -> Vec<u64> {
+        sorted(match &self.own {
+            Some(own) => vec![own.look_alike()],
+            None if self.words.is_empty() => {
+                self.containers.iter().map(|(_, name)| hash(b'c', name.key())).collect()
+            }
+            None => words::prefix(&self.words).iter().map(|word| hash(b'w', &word.text)).collect(),
+        })
     }
 }
 
@@ -297,30 +253,10 @@ fn gist(normalised: &str, own: Option<&Name>, containers: &[(Role, Name)]) -> Bo
     containers.chain([own.spelt().to_owned()]).collect::<Vec<_>>().join(", ").into()
 }
 
-/// Returns the name of a text that is compared whole.
-fn whole(normalised: &str) -> Option<Name> {
-    let mut name = NameBuilder::default();
-    name.exactly(PartKind::Word, normalised);
-    name.build()
-}
-
-/// "room 901, number 901" numbers one thing: the reading with a role stays.
-fn identifiers_of(mentions: &[Mention]) -> Vec<Identifier> {
-    let found = mentions.iter().filter_map(|mention| match &mention.what {
-        What::Identifier(identifier) => Some(identifier.clone()),
-        What::Word { .. } | What::Article(_) => None,
-    });
-    let mut found: Vec<Identifier> = found.take(MAX_IDENTIFIERS).collect();
-    found.sort_unstable();
-    // Roles sort before no role, so the first of equals is the one to keep.
-    let mut kept: Vec<Identifier> = Vec::with_capacity(found.len());
-    for identifier in found {
-        let known = |k: &Identifier| k.value == identifier.value && k.role.is_compatible(&identifier.role);
-        if !kept.iter().any(known) {
-            kept.push(identifier);
-        }
-    }
-    kept
+fn sorted<T: Ord>(mut all: Vec<T>) -> Vec<T> {
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 impl PartialEq for Text {

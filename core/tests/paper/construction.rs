@@ -1,7 +1,7 @@
 //! §IV-B: what an anchor knows, and when its description makes it valid.
 
 use revisit_core::domain::anchor::{AnchorState, IgnoredReason, Outcome};
-use revisit_core::semantics::Identifier;
+use revisit_core::semantics::Name;
 use revisit_core::{CandidateDecision, MapProperties, ReasonCode, Settings};
 
 use super::scene::{Scene, anchors, close_to_all, code, door, keyframe, named, thing, unread};
@@ -73,8 +73,7 @@ fn an_anchor_has_its_class_keyframes_map_points_box_and_description() {
     close_to_all("center", anchor.centre(), [0.5, 0.5, 2.5]);
     assert_eq!(anchor.description(), "Room 901");
     let description = anchor.object.description.as_ref().expect("it is described");
-    let identifiers = description.text.identifiers().iter().map(Identifier::as_str);
-    assert_eq!(identifiers.collect::<Vec<_>>(), ["901"]);
+    assert_eq!(description.text.names().map(Name::as_str).collect::<Vec<_>>(), ["901"]);
 }
 
 #[test]

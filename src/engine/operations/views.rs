@@ -44,7 +44,7 @@ pub(in crate::engine) fn anchor_with(
             _ => "readings",
         },
         identifiers: description
-            .map(|d| d.text.identifiers().iter().map(|identifier| identifier.as_str().to_owned()).collect())
+            .map(|d| d.text.names().map(|name| name.as_str().to_owned()).collect())
             .unwrap_or_default(),
         information_level: description.map_or(1, |description| description.information_level),
         information_reason: description.map(|description| information_reason(index, object, description)),

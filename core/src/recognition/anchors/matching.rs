@@ -30,7 +30,7 @@ pub fn covisible_merge(index: &MapIndex, root: AnchorSeq, around: &BTreeSet<Keyf
 fn close(index: &MapIndex, a: &MergedAnchor, b: &MergedAnchor) -> bool {
     let radius_m = index.properties().settings.association_position_radius_m;
     let is_numbered = |object: &MergedAnchor| {
-        object.description.as_ref().is_some_and(|description| description.text.has_own_identifier())
+        object.description.as_ref().is_some_and(|description| description.text.has_own_name())
     };
     let near = |of_a: &Shape, of_b: &Shape| {
         let Some((box_a, box_b)) = of_a.aabb.zip(of_b.aabb) else { return false };

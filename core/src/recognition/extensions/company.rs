@@ -117,7 +117,7 @@ fn company(text: &LocalAnchor, map: &LocalAnchorMap) -> Vec<Neighbour> {
     let is_numbered = |anchor: &&LocalAnchor| {
         anchor.name != text.name
             && !anchor.range_assumed
-            && anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty())
+            && anchor.text.as_ref().is_some_and(|text| text.has_name())
     };
     let from_text = |sign: &LocalAnchor| in_camera(sign) - at;
     let mut signs: Vec<(f64, &LocalAnchor)> =

@@ -96,8 +96,7 @@ pub fn find_differing(
 
 /// Returns the heaviest anchors that bear an identifier and match nothing, by weight.
 fn unmatched(map: &LocalAnchorMap, matched: BTreeSet<LocalName>) -> Vec<&LocalAnchor> {
-    let has_identifier =
-        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
+    let has_identifier = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.has_name());
     map.heaviest(EXPLAINED_MAX, |anchor| !matched.contains(&anchor.name) && has_identifier(anchor))
 }
 
@@ -142,8 +141,8 @@ impl Differing {
     fn of(a: &LocalAnchor, b: &LocalAnchor, comparison: &Comparison<'_>) -> Self {
         let conflict = a.text.as_deref().zip(b.text.as_deref()).and_then(|(a, b)| semantics::conflict(a, b));
         let first = |anchor: &LocalAnchor| {
-            let first = anchor.text.as_ref().and_then(|text| text.identifiers().first());
-            first.map_or_else(String::new, |identifier| identifier.as_str().to_owned())
+            let first = anchor.text.as_ref().and_then(|text| text.names().next());
+            first.map_or_else(String::new, |name| name.as_str().to_owned())
         };
         let (query_identifier, candidate_identifier) = match conflict {
             Some(conflict) => (conflict.a.as_str().to_owned(), conflict.b.as_str().to_owned()),

@@ -26,8 +26,7 @@ pub fn disputed(map: &LocalAnchorMap) -> BTreeSet<LocalName> {
     alone.map(|(anchor, _)| anchor.name).collect()
 }
 
-/// Returns the first part of the number of a plate, if it has one number of several parts.
+/// Returns the first part of the number of a plate, if its number has several parts.
 fn part_of_building(anchor: &LocalAnchor) -> Option<&str> {
-    let [number] = anchor.text.as_deref()?.identifiers() else { return None };
-    number.first_part()
+    anchor.text.as_deref()?.names().next()?.first_part()
 }

@@ -48,8 +48,7 @@ pub fn returning_identifier(
     nearest: Option<KeyframeSeq>,
     candidate: KeyframeSeq,
 ) -> Returning {
-    let names =
-        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
+    let names = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.has_name());
     let tracked = |pair: &Matched<'_>| nearest.is_some_and(|query| is_tracked(index, pair, query, candidate));
     let returns = |pair: &&Matched<'_>| {
         names(pair.query) && names(pair.candidate) && !pair.is_disputed && !tracked(pair)

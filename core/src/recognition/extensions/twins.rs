@@ -90,9 +90,8 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
 /// Whether an object has an identifier that was read alike twice, or described.
 fn names_itself(index: &MapIndex, root: AnchorSeq) -> bool {
     let described = index.objects().get(root).and_then(|object| object.description.as_ref());
-    described.is_some_and(|description| {
-        description.certainty > Certainty::ReadOnce && !description.text.identifiers().is_empty()
-    })
+    described
+        .is_some_and(|description| description.certainty > Certainty::ReadOnce && description.text.has_name())
 }
 
 fn object(anchor: &LocalAnchor) -> Option<AnchorSeq> {

@@ -37,7 +37,7 @@ pub fn nearby_signs(index: &MapIndex, keyframe: KeyframeSeq, counts: &mut PlaceC
             continue;
         };
         let apart_m = (aabb.centre() - centre).norm();
-        if apart_m > CELL_M || description.text.identifiers().is_empty() {
+        if apart_m > CELL_M || !description.text.has_name() {
             continue;
         }
         if index.texts().of(root).is_some_and(|text| counts.of_text(index, text) == 1) {

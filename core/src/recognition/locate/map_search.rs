@@ -310,7 +310,7 @@ fn sign_evidence(
         else {
             continue;
         };
-        if !text.identifiers().is_empty() && places.of_guest(index, class, text) == 1 {
+        if text.has_name() && places.of_guest(index, class, text) == 1 {
             agreeing.insert(text.gist().to_owned());
         }
     }

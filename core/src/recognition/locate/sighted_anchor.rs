@@ -96,7 +96,7 @@ pub fn pairs_by_session(
                 let measured = object.shapes.iter().filter(|(_, shape)| !shape.range_assumed);
                 for (session, aabb) in measured.filter_map(|(session, shape)| Some((*session, shape.aabb?))) {
                     let described = object.description.as_ref();
-                    let identifies = |text: &Text| places == 1 && !text.identifiers().is_empty();
+                    let identifies = |text: &Text| places == 1 && text.has_name();
                     let named = described.filter(|described| identifies(&described.text));
                     pairs.entry(session).or_default().push(AnchorPair {
                         sighted: number,

@@ -6,13 +6,13 @@ use std::sync::LazyLock;
 use crate::semantics::lexicon::generic;
 use crate::semantics::text::Text;
 
-/// Whether a text has no identifier, and no word but those on the signs of every building: EXIT, "Toilets".
+/// Whether a text has no name, and no word but those on the signs of every building: EXIT, "Toilets".
 pub fn is_common_sign(text: &Text) -> bool {
     static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| generic::words().collect());
     let is_common =
         |word: &str| WORDS.contains(word) || word.strip_suffix('s').is_some_and(|one| WORDS.contains(one));
     let mut words = text.normalised().split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    text.identifiers().is_empty() && words.all(is_common)
+    !text.has_name() && words.all(is_common)
 }
 
 #[cfg(test)]

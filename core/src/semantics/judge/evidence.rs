@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::semantics::lexicon::words::Word;
-use crate::semantics::names::identifier::Identifier;
 use crate::semantics::names::name::Name;
 use crate::semantics::names::relation::Relation;
 use crate::semantics::text::Text;
@@ -48,20 +47,14 @@ pub enum Evidence<'t> {
     OneName(&'t Name),
     /// They share a floor, wing or building, and nothing that says which object of it.
     Container(&'t Name),
-    /// One numbers a part of a building, the other something else.
-    RolesDiffer(&'t Identifier, &'t Identifier),
     /// One text denies a word that the other states.
     Denied(&'t Word),
     /// They deny different things.
     DifferentNegations,
     /// They point different ways.
     Directions,
-    /// They name different colours.
-    Colours,
-    /// They state different looks of this thing: a glass vase, a blue vase.
-    Looks(&'t str),
-    /// They state different quantities.
-    Quantities,
+    /// They state different colours, materials, numbers or quantities.
+    Details,
     /// The likeness of the words.
     Words,
 }
@@ -71,10 +64,7 @@ impl Evidence<'_> {
     pub fn source(&self) -> Source {
         match self {
             Evidence::Identical => Source::Identical,
-            Evidence::Names(_)
-            | Evidence::Partial(_)
-            | Evidence::Container(_)
-            | Evidence::RolesDiffer(..) => Source::Identifiers,
+            Evidence::Names(_) | Evidence::Partial(_) | Evidence::Container(_) => Source::Identifiers,
             _ => Source::Lexical,
         }
     }

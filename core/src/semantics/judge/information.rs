@@ -2,12 +2,12 @@
 
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::misreading;
-use crate::semantics::lexicon::role::Role;
 use crate::semantics::lexicon::words::Word;
-use crate::semantics::names::identifier::Identifier;
-use crate::semantics::parsing::frame;
+use crate::semantics::parsing::caption;
 use crate::semantics::parsing::noise::is_one_symbol;
 use crate::semantics::parsing::normalise::bare;
+use crate::semantics::parsing::reading::Reading;
+use crate::semantics::text::Text;
 
 /// From this many specific words on, a text without identifier or name is worth an anchor.
 pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
@@ -15,7 +15,7 @@ pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
 const MAX_WORDS_OF_CAPITAL_NAME: usize = 3;
 
 /// What was found of a text's worth.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Information {
     /// 1 to 5.
     pub level: u8,
@@ -24,39 +24,43 @@ pub struct Information {
     pub(in crate::semantics) name: Option<String>,
 }
 
-impl Information {
-    /// A code names one thing, and no word is beside it.
-    pub fn of_code() -> Information {
-        Information { level: 4, is_container_alone: false, name: None }
-    }
-}
-
-/// Finds the level of a text: `clean` has its capitals, the rest is parsed from the normalised form.
-pub fn assess(
-    clean: &str,
-    normalised: &str,
-    identifiers: &[Identifier],
-    has_own_name: bool,
-    words: &[Word],
-    negated: &[Word],
-) -> Information {
-    let name = proper_name(clean, words);
-    let is_container_alone =
-        !identifiers.is_empty() && !has_own_name && is_uninformative(normalised, words, negated);
+/// Finds the level of a text, whose words and names are known: `clean` has its capitals.
+pub fn assess(text: &Text, clean: &str, read: &Reading) -> Information {
+    let name = proper_name(clean, &text.words);
+    let is_uninformative = is_uninformative(text);
+    let is_container_alone = text.has_name() && !text.has_own_name() && is_uninformative;
+    let has_word = || text.words.iter().any(|word| word.class != Class::Letter) || read.tells_role();
     let level = match () {
         // A container alone tells the floor and not the object on it (M23).
         () if is_container_alone => 4,
-        () if !identifiers.is_empty() => {
-            let with_word = words.iter().any(|word| word.class != Class::Letter)
-                || identifiers.iter().any(|i| i.role != Role::Neutral);
-            if with_word { 5 } else { 4 }
-        }
-        () if is_uninformative(normalised, words, negated) || is_one_symbol(normalised) => 1,
-        () if name.is_some() || specific(words).count() >= ENOUGH_SPECIFIC_WORDS => 4,
-        () if specific(words).next().is_some() => 3,
+        () if text.has_name() => 4 + u8::from(has_word()),
+        () if is_uninformative || is_one_symbol(text.normalised()) => 1,
+        () if name.is_some() || specific(&text.words).count() >= ENOUGH_SPECIFIC_WORDS => 4,
+        () if specific(&text.words).next().is_some() => 3,
         () => 2,
     };
     Information { level, is_container_alone, name }
+}
+
+/// InformationLevel of a text, 1 to 5, and the reason in one sentence.
+pub fn information(text: &Text) -> (u8, String) {
+    let level = text.information_level();
+    let words = || specific(&text.words).map(|word| word.text.as_str()).collect::<Vec<_>>().join(", ");
+    let reason = match (text.names().next(), &text.information.name) {
+        _ if text.normalised().is_empty() => "the text is empty".to_owned(),
+        _ if level == 1
+            && let Some(foreign) = &text.foreign =>
+        {
+            format!("{} is not how this building writes its names", foreign.as_str())
+        }
+        _ if level == 1 => format!("\"{}\" says nothing about the object", text.normalised()),
+        (Some(name), _) if level == 5 => format!("{} is an identifier with another word", name.as_str()),
+        (Some(name), _) => format!("{} is an identifier", name.as_str()),
+        (None, Some(name)) => format!("{name} is a proper name"),
+        (None, None) if level == 2 => "it has only generic words".to_owned(),
+        (None, None) => format!("its specific words are {}", words()),
+    };
+    (level, reason)
 }
 
 /// Returns the words that are not on every door.
@@ -65,25 +69,25 @@ pub fn specific(words: &[Word]) -> impl Iterator<Item = &Word> {
 }
 
 /// Empty, or a confession of not knowing with nothing but generic words beside it.
-fn is_uninformative(normalised: &str, words: &[Word], negated: &[Word]) -> bool {
+fn is_uninformative(text: &Text) -> bool {
     let unsure =
         |word: &Word| dictionary::is_unsure(&word.text) || dictionary::is_unsure_when_negated(&word.text);
-    let confesses = words.iter().any(|word| dictionary::is_unsure(&word.text))
-        || negated.iter().any(|word| dictionary::is_unsure_when_negated(&word.text));
-    words.iter().all(|word| word.class == Class::Letter)
-        || normalised == "n/a"
-        || (confesses && words.iter().all(|word| word.class >= Class::Generic || unsure(word)))
+    let confesses = text.words.iter().any(|word| dictionary::is_unsure(&word.text))
+        || text.negated.iter().any(|word| dictionary::is_unsure_when_negated(&word.text));
+    text.words.iter().all(|word| word.class == Class::Letter)
+        || text.normalised() == "n/a"
+        || (confesses && text.words.iter().all(|word| word.class >= Class::Generic || unsure(word)))
 }
 
 /// Returns a capitalised word outside the dictionary: "Mona Lisa", "Turing".
 ///
 /// Capitals that open a sentence prove nothing, so the first word counts only if no other word of the text is specific.
-/// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary. A frame
-/// around it makes no difference.
+/// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary. What a caption
+/// begins with makes no difference.
 fn proper_name(clean: &str, read: &[Word]) -> Option<String> {
     let all: Vec<&str> =
         clean.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty()).collect();
-    let words = frame::framed(&all);
+    let words = caption::introduced(&all);
     // A word of a generic phrase is generic there: "Thang máy" is a lift.
     let is_generic =
         |stem: &str| read.binary_search(&Word::of_class(Class::Generic, stem.to_owned())).is_ok();

@@ -1,13 +1,16 @@
 //! The kind of a text: what it may be evidence of (M22).
 
 use crate::named::named;
-use crate::semantics::judge::information::{Information, specific};
+use crate::semantics::judge::information::specific;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::role;
 use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::lexicon::words::Word;
 use crate::semantics::names::name::Name;
+use crate::semantics::names::numbering::Standing;
 use crate::semantics::parsing::normalise::bare;
+use crate::semantics::parsing::reading::Reading;
+use crate::semantics::text::Text;
 
 /// Words beside a known kind of room from which on a text is a sentence, and no name.
 const NAME_WORDS_MAX: usize = 4;
@@ -44,61 +47,28 @@ impl TextKind {
     }
 }
 
-/// Findings about a text that tell its kind.
-pub struct Found<'t> {
-    /// The text with its capitals.
-    pub clean: &'t str,
-    /// The object's own name.
-    pub name: Option<&'t Name>,
-    /// Whether it names a floor, wing or building.
-    pub has_containers: bool,
-    /// Whether its number has a shape that nothing bears out, beside others that are.
-    pub is_doubtful: bool,
-    /// Whether it tells what a picture shows.
-    pub is_of_picture: bool,
-    /// Its words.
-    pub words: &'t [Word],
-    /// Those of its words that are denied.
-    pub negated: &'t [Word],
-    /// Its InformationLevel.
-    pub information: &'t Information,
-}
-
 /// Words that ask for something.
 static REQUESTS: WordList = WordList::of(
     "please bitte veuillez priere favor prego gelieve vennligst lutfen prosim kerjuk prosze pozhaluysta пожалуйста παρακαλω \
     请 請 ください 주세요",
 );
 
-/// Returns the kind of a text. Unknown is the default.
-pub fn kind(found: &Found<'_>) -> TextKind {
-    let has_unknown = || found.words.iter().any(|word| word.class == Class::Specific);
+/// Returns the kind of a text whose names, words and information are known. Unknown is the default.
+pub fn kind(text: &Text, clean: &str, read: &Reading) -> TextKind {
+    let has_grammar = || words(clean).any(|word| dictionary::listed(&word) == Some(Class::Function));
+    let requests = || words(clean).any(|word| REQUESTS.has(&word)) || clean.ends_with(['!', '！']);
     match () {
-        () if found.name.is_some() && found.is_doubtful => TextKind::Unknown,
-        () if found.name.is_some() || (found.has_containers && found.information.is_container_alone) => {
-            TextKind::Name
-        }
-        () if found.information.level == 1 => TextKind::Unknown,
-        () if is_request(found) => TextKind::Notice,
-        () if found.is_of_picture && specific(found.words).next().is_some() => TextKind::Description,
-        () if is_sentence(found) => TextKind::Notice,
-        () if !has_unknown() => TextKind::CommonSign,
-        () if found.information.name.is_some() && is_beside_kind(found) => TextKind::ProperName,
+        () if text.own.as_ref().is_some_and(Name::is_code) => TextKind::Code,
+        () if text.standing == Standing::Doubtful => TextKind::Unknown,
+        () if text.has_own_name() || text.information.is_container_alone => TextKind::Name,
+        () if text.information.level == 1 => TextKind::Unknown,
+        () if !text.negated.is_empty() || requests() => TextKind::Notice,
+        () if read.is_of_picture && specific(&text.words).next().is_some() => TextKind::Description,
+        () if text.words.len() >= NOTICE_WORDS_MIN && has_grammar() => TextKind::Notice,
+        () if text.specific_words().next().is_none() => TextKind::CommonSign,
+        () if text.information.name.is_some() && is_beside_kind(&text.words) => TextKind::ProperName,
         () => TextKind::Unknown,
     }
-}
-
-/// Whether it asks for something, or forbids it.
-fn is_request(found: &Found<'_>) -> bool {
-    words(found.clean).any(|word| REQUESTS.has(&word))
-        || !found.negated.is_empty()
-        || found.clean.ends_with(['!', '！'])
-}
-
-/// Whether it has grammar, and as many words as a sentence.
-fn is_sentence(found: &Found<'_>) -> bool {
-    let has_grammar = words(found.clean).any(|word| dictionary::listed(&word) == Some(Class::Function));
-    has_grammar && found.words.len() >= NOTICE_WORDS_MIN
 }
 
 fn words(clean: &str) -> impl Iterator<Item = String> + '_ {
@@ -106,9 +76,9 @@ fn words(clean: &str) -> impl Iterator<Item = String> + '_ {
 }
 
 /// Whether a word tells what kind of room is named: "Meeting Room Turing".
-fn is_beside_kind(found: &Found<'_>) -> bool {
+fn is_beside_kind(words: &[Word]) -> bool {
     let tells = |word: &Word| word.class == Class::Generic && role::role_of(&word.text).is_some();
-    found.words.len() <= NAME_WORDS_MAX && found.words.iter().any(tells)
+    words.len() <= NAME_WORDS_MAX && words.iter().any(tells)
 }
 
 #[cfg(test)]

@@ -2,15 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::semantics::lexicon::dictionary;
+use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::role::{self, Role};
-use crate::semantics::lexicon::words::Word;
-use crate::semantics::names::identifier::Identifier;
-use crate::semantics::parsing::frame;
-use crate::semantics::parsing::normalise;
-use crate::semantics::parsing::reading::{self, Mention, What};
-use crate::semantics::parsing::token;
-use crate::semantics::parsing::token::Token;
+use crate::semantics::names::name::NameBuilder;
+use crate::semantics::parsing::reading::{self, What};
+use crate::semantics::parsing::{normalise, token};
 use crate::semantics::text::Text;
 
 /// A merged text grows no further than this, as merging goes on for the life of a map.
@@ -30,7 +26,10 @@ pub fn merge(a: &str, b: &str) -> String {
     let start = base.clean.trim_end_matches([' ', '.', ',', ';']);
     let merged = join(start, &base.missing_phrases(&other));
     // A phrase out of its sentence can read otherwise ("3" of "3 boats"); then the whole sentence must do.
-    if Part::new(&merged).says_just(&base, &other) { merged } else { join(start, &[&other.clean]) }
+    let read = Part::new(&merged);
+    let is_said = |phrase: &Phrase| base.knows.contains(&phrase.says) || other.knows.contains(&phrase.says);
+    let is_faithful = read.says_all_of(&base) && read.says_all_of(&other) && read.phrases.iter().all(is_said);
+    if is_faithful { merged } else { join(start, &[&other.clean]) }
 }
 
 fn join(start: &str, phrases: &[&str]) -> String {
@@ -43,98 +42,102 @@ fn join(start: &str, phrases: &[&str]) -> String {
     })
 }
 
+/// One thing that a text says.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Said {
+    /// A number, and what it is of.
+    Number(Role, String),
+    /// A word, stated or denied.
+    Word(String, bool),
+}
+
+/// Where a text says one thing: from one byte to another, and whether it goes on from what is before.
+struct Phrase {
+    says: Said,
+    start: usize,
+    end: usize,
+    goes_on: bool,
+}
+
 struct Part<'t> {
     raw: &'t str,
     clean: String,
     text: Text,
+    phrases: Vec<Phrase>,
+    /// All that it need not be told, be it only in passing.
+    knows: BTreeSet<Said>,
 }
 
 impl<'t> Part<'t> {
     fn new(raw: &'t str) -> Part<'t> {
-        Part { raw, clean: normalise::clean(raw), text: Text::parse(raw) }
+        let (clean, text) = (normalise::clean(raw), Text::parse(raw));
+        let tokens = token::tokenise(&clean);
+        let mut phrases = Vec::new();
+        // The "painting" of "a painting of a boat" is said, though it does not count.
+        let stems = tokens.iter().map(|token| dictionary::stem(&normalise::bare(token.text)));
+        let generic = stems.filter(|stem| dictionary::listed(stem) == Some(Class::Generic));
+        let mut knows: BTreeSet<Said> = generic.map(|stem| Said::Word(stem, false)).collect();
+        let mut last = 0;
+        for mention in reading::read(&tokens).mentions {
+            let says = match mention.what {
+                What::Number(role, number) => {
+                    let mut name = NameBuilder::default();
+                    name.code(&number, str::to_owned);
+                    let number = name.build().map_or(number, |name| name.key().to_owned());
+                    // Floor 10 says 10, too; a bare 10 is a room's, and no floor's.
+                    let bare = if role == Role::Neutral { Role::Room } else { Role::Neutral };
+                    knows.insert(Said::Number(bare, number.clone()));
+                    Said::Number(role, number)
+                }
+                What::Word { word, .. } if word.class == Class::Function => continue,
+                // The "Zimmer" of "Zimmer 901" adds nothing to "room 901".
+                What::Word { word, negated: false }
+                    if text.has_name() && role::role_of(&word.text).is_some() =>
+                {
+                    continue;
+                }
+                What::Word { word, negated } => {
+                    knows.insert(Said::Word(word.text.clone(), false));
+                    Said::Word(word.text, negated)
+                }
+            };
+            knows.insert(says.clone());
+            let (first, end) = (mention.first, mention.end);
+            let goes_on = first <= last && !tokens[first].after_break;
+            phrases.push(Phrase { says, start: tokens[first].start, end: tokens[end - 1].end(), goes_on });
+            last = end;
+        }
+        Part { raw, clean, text, phrases, knows }
     }
 
     /// Total order on raw texts, the most informative last.
     fn rank(&self) -> impl Ord + '_ {
-        let content = self.text.identifiers.len() + self.text.words.len();
-        let with_role =
-            self.text.identifiers.iter().filter(|identifier| identifier.role != Role::Neutral).count();
+        let is_of_something =
+            |phrase: &&Phrase| matches!(phrase.says, Said::Number(role, _) if role != Role::Neutral);
+        let with_role = self.phrases.iter().filter(is_of_something).count();
         // Which text leads is about what it says: a floor's number does, though it is worth less alone.
         let level = if with_role > 0 { 5 } else { self.text.information_level() };
-        (level, with_role, content, self.text.normalised(), self.raw)
+        (level, with_role, self.phrases.len(), self.text.normalised(), self.raw)
     }
 
     fn says_all_of(&self, other: &Part<'_>) -> bool {
-        let identifiers = other.text.identifiers.iter().all(|identifier| self.identifies(identifier));
-        let words = other.text.words.iter().all(|word| other.is_mere_role(word) || self.says(word, false));
-        identifiers && words && other.text.negated.iter().all(|word| self.text.negated.contains(word))
-    }
-
-    /// Both, and no identifier besides.
-    fn says_just(&self, a: &Part<'_>, b: &Part<'_>) -> bool {
-        let known = |found: &Identifier| {
-            let mut both = a.text.identifiers.iter().chain(&b.text.identifiers);
-            both.any(|identifier| {
-                identifier.value == found.value && identifier.role.is_compatible(&found.role)
-            })
-        };
-        self.says_all_of(a) && self.says_all_of(b) && self.text.identifiers.iter().all(known)
-    }
-
-    /// A bare 10 does not say "floor 10", but floor 10 says 10, and a bare 901 is a room's.
-    fn identifies(&self, identifier: &Identifier) -> bool {
-        let is_bare_room = |role: &Role| matches!(role, Role::Neutral | Role::Room);
-        let says = |known: &Identifier| {
-            let covers = known.role != Role::Neutral || is_bare_room(&identifier.role);
-            covers && known.role.is_compatible(&identifier.role)
-        };
-        self.text.identifiers.iter().any(|known| known.value == identifier.value && says(known))
-    }
-
-    /// Returns the "Zimmer" of "Zimmer 901" adds nothing to "room 901".
-    fn is_mere_role(&self, word: &Word) -> bool {
-        !self.text.identifiers.is_empty() && role::role_of(&word.text).is_some()
-    }
-
-    fn says(&self, word: &Word, negated: bool) -> bool {
-        if negated {
-            self.text.negated.contains(word)
-        } else {
-            self.text.words.contains(word) || self.frames(word)
-        }
-    }
-
-    /// The "painting" of "a painting of a boat" is said, though it does not count.
-    fn frames(&self, word: &Word) -> bool {
-        let is_word = |token: &Token<'_>| dictionary::stem(&normalise::bare(token.text)) == word.text;
-        frame::is_noun(&word.text) && token::tokenise(self.text.normalised()).iter().any(is_word)
+        other.phrases.iter().all(|phrase| self.knows.contains(&phrase.says))
     }
 
     /// Returns the phrases of `other` that say something new, as written there; neighbours stay together.
     fn missing_phrases<'o>(&self, other: &'o Part<'_>) -> Vec<&'o str> {
-        let tokens = token::tokenise(&other.clean);
         let mut said = BTreeSet::new();
         let mut spans: Vec<(usize, usize)> = Vec::new();
-        for Mention { what, first, end } in reading::read(&tokens).mentions {
-            let (missing, key) = match &what {
-                What::Identifier(identifier) => (!self.identifies(identifier), identifier.value.clone()),
-                What::Word { word, negated } => (
-                    !self.says(word, *negated) && (*negated || !other.is_mere_role(word)),
-                    format!("{negated} {}", word.text),
-                ),
-                What::Article(_) => continue,
-            };
-            if !missing || !said.insert((matches!(what, What::Word { .. }), key)) {
-                continue;
-            }
+        let mut is_open = false;
+        for phrase in &other.phrases {
+            let is_new = !self.knows.contains(&phrase.says) && said.insert(&phrase.says);
             match spans.last_mut() {
-                Some((_, last)) if first <= *last && !tokens[first].after_break => *last = end.max(*last),
-                _ => spans.push((first, end)),
+                Some((_, end)) if is_new && is_open && phrase.goes_on => *end = phrase.end.max(*end),
+                _ if is_new => spans.push((phrase.start, phrase.end)),
+                _ => {}
             }
+            is_open = is_new;
         }
-        spans
-            .into_iter()
-            .map(|(first, end)| &other.clean[tokens[first].start..tokens[end - 1].end()])
-            .collect()
+        spans.into_iter().map(|(start, end)| &other.clean[start..end]).collect()
     }
 }

@@ -5,36 +5,32 @@
 use crate::semantics::lexicon::dictionary::Class;
 use crate::semantics::lexicon::words::{self, Word};
 use crate::semantics::parsing::direction::{Bearing, Directions};
-use crate::semantics::parsing::looks::Looks;
 use crate::semantics::text::Text;
 
-/// The frequent words of a text without identifiers, and the weight of its rare ones.
+/// The frequent words of a text without a name, and the weight of its rare ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Profile {
     words: Vec<Word>,
     rare_weight: u32,
     negated: Vec<Word>,
     directions: Directions,
-    looks: Looks,
 }
 
 impl Text {
     /// Returns the profile, given which words are frequent. None if words alone do not decide about the text.
     pub fn profile(&self, is_frequent: impl Fn(&str) -> bool) -> Option<Profile> {
-        if !self.identifiers.is_empty() || self.words.is_empty() || self.information.level == 1 {
+        if self.has_name() || self.words.is_empty() || self.information.level == 1 {
             return None;
         }
-        // Colours and quantities that differ speak against a match, so they are never left out.
+        // Looks and quantities that differ speak against a match, so they are never left out.
         let counts =
-            |word: &&Word| matches!(word.class, Class::Colour | Class::Quantity) || is_frequent(&word.text);
+            |word: &&Word| matches!(word.class, Class::Look | Class::Quantity) || is_frequent(&word.text);
         let rare = self.words.iter().filter(|word| !counts(word));
         Some(Profile {
             rare_weight: rare.map(Word::weight).sum(),
             words: self.words.iter().filter(counts).cloned().collect(),
             negated: self.negated.clone(),
             directions: self.directions,
-            // Looks of a rare thing clash only where both texts have that rare word.
-            looks: self.looks.of(is_frequent),
         })
     }
 
@@ -48,12 +44,12 @@ impl Profile {
     /// Whether different texts of these profiles reach a level, 4 or 5, if no rare word is in both.
     /// With such a word they are at least as alike.
     pub fn reaches(&self, other: &Profile, level: u8) -> bool {
-        if self.negated != other.negated || self.directions.bearing(other.directions) != Bearing::Same {
-            return false;
-        }
         let overlap =
             words::overlap(&self.words, &other.words).with_different(self.rare_weight + other.rare_weight);
-        let looks_clash = self.looks.clash(&other.looks).is_some();
-        overlap.level() >= level && !overlap.colours_clash() && !overlap.quantities_differ() && !looks_clash
+        self.negated == other.negated
+            && self.directions.bearing(other.directions) == Bearing::Same
+            && overlap.level() >= level
+            && !overlap.looks_clash()
+            && !overlap.details_differ()
     }
 }

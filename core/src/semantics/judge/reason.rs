@@ -3,7 +3,7 @@
 use crate::semantics::judge::evidence::Evidence;
 use crate::semantics::lexicon::words::{self, Word};
 use crate::semantics::names::name::Name;
-use crate::semantics::names::relation::{Difference, Relation};
+use crate::semantics::names::relation::{Conflict, Relation};
 use crate::semantics::text::Text;
 
 /// Words named before the rest is only counted.
@@ -24,20 +24,17 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
         Evidence::Container(container) => {
             format!("both are of {}, and nothing says which object of it", container.as_str())
         }
-        Evidence::RolesDiffer(x, y) => format!("{} is not {}", x.phrase(), y.phrase()),
         Evidence::Denied(word) => format!("one denies \"{}\", the other states it", word.text),
         Evidence::DifferentNegations => "they deny different things".to_owned(),
         Evidence::Directions => of_directions(&a.directions.phrase(), &b.directions.phrase()),
-        Evidence::Colours => "they name different colours".to_owned(),
-        Evidence::Looks(thing) => format!("they state different looks of \"{thing}\""),
-        Evidence::Quantities => "they state different quantities".to_owned(),
+        Evidence::Details => "they state different colours, materials or numbers".to_owned(),
         Evidence::Words => of_words(&a.words, &b.words),
     }
 }
 
 fn of_names(relation: &Relation<'_>) -> String {
     match relation {
-        Relation::Different(Difference { a, b, part_a, part_b }) => {
+        Relation::Different(Conflict { a, b, part_a, part_b }) => {
             let names = format!("{} is not {}", a.as_str(), b.as_str());
             // The part that decided, unless it is all there is.
             let is_all = a.parts().len() == 1 && b.parts().len() == 1;

@@ -78,20 +78,14 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
 
 /// "Level 5" never says which object of level 5: level 3 with its equal, 1 with another (M23).
 fn judge_container<'t>(a: &'t Text, b: &'t Text, relation: Option<Relation<'t>>) -> (u8, Evidence<'t>) {
-    let is_alone = |text: &'t Text| text.containers.first().filter(|_| text.information.is_container_alone);
-    let both_alone = is_alone(a).is_some() && is_alone(b).is_some();
-    let Some((_, container)) = is_alone(a).or_else(|| is_alone(b)) else { return (1, Evidence::Words) };
+    let alone = |text: &'t Text| text.containers.first().filter(|_| text.information.is_container_alone);
+    let both = alone(a).is_some() && alone(b).is_some();
+    let Some((_, container)) = alone(a).or_else(|| alone(b)) else { return (1, Evidence::Words) };
     match relation {
-        Some(Relation::Same(..) | Relation::SameButZeros(..)) if both_alone => {
-            (3, Evidence::Container(container))
+        Some(Relation::Same(..) | Relation::SameButZeros(..)) => {
+            (2 + u8::from(both), Evidence::Container(container))
         }
-        Some(Relation::Open(None, _) | Relation::Open(_, None)) => {
-            match a.identifiers.first().zip(b.identifiers.first()) {
-                Some((of_a, of_b)) if of_a.role != of_b.role => (2, Evidence::RolesDiffer(of_a, of_b)),
-                _ => (2, Evidence::Container(container)),
-            }
-        }
-        Some(_) => (2, Evidence::Container(container)),
+        Some(relation) => (2, Evidence::Names(relation)),
         None => (level_with_one_name(a, b, container).min(2), Evidence::OneName(container)),
     }
 }
@@ -130,9 +124,9 @@ fn level_of_words<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     let overlap = words::overlap(&a.words, &b.words);
     let (at_most, evidence) = match () {
         () if a.negated != b.negated => (2, Evidence::DifferentNegations),
-        () if overlap.colours_clash() => (2, Evidence::Colours),
-        () if overlap.quantities_differ() => (3, Evidence::Quantities),
-        () => a.looks.clash(&b.looks).map_or((5, Evidence::Words), |thing| (3, Evidence::Looks(thing))),
+        () if overlap.looks_clash() => (2, Evidence::Details),
+        () if overlap.details_differ() => (3, Evidence::Details),
+        () => (5, Evidence::Words),
     };
     let level = overlap.level();
     if level > at_most { (at_most, evidence) } else { (level, Evidence::Words) }

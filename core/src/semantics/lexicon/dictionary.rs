@@ -14,10 +14,10 @@ pub enum Class {
     Specific,
     /// A count, measure, time or price.
     Quantity,
-    /// Material, size, shape, look.
+    /// Size, shape, age.
     Descriptive,
-    /// A colour.
-    Colour,
+    /// A colour, a material or a number, of which a thing has one.
+    Look,
     /// What every building has at every door.
     Generic,
     /// One letter: part of a name, and no word.
@@ -31,8 +31,13 @@ pub fn listed(stem: &str) -> Option<Class> {
     CLASSES.get(stem).copied()
 }
 
-/// Without the plural, and without a possessive.
+/// Without the plural, and without a possessive; one spelling of a look.
 pub fn stem(word: &str) -> String {
+    const LOOKS: [(&str, &str); 4] =
+        [("wooden", "wood"), ("metallic", "metal"), ("golden", "gold"), ("gray", "grey")];
+    if let Some((_, look)) = LOOKS.iter().find(|(other, _)| *other == word) {
+        return (*look).to_owned();
+    }
     let word = word.strip_suffix("'s").unwrap_or(word).replace('\'', "");
     let plural = word.len() > 3
         && word.is_ascii()
@@ -119,7 +124,7 @@ const GENERIC: &str = "exit push pull toilet restroom washroom bathroom wc lavat
     tapestry placard pintura dipinto immagine schilderij afbeelding peinture affiche dessin imagen quadro foto inscription caption lettering wall door doorway window ceiling ground floor object item thing \
     text word letter character font digit symbol logo icon arrow background foreground view scene closeup \
     do slide press button switch light handle knob lock key room meeting conference office kitchen storage \
-    left right up down upstairs downstairs top bottom north south east west nord norte sud sued ost ouest oeste straight ahead back forward side corner middle center centre \
+    left right up down upstairs downstairs top bottom north south east west nord norte sud sued ost ouest oeste straight ahead back forward side corner middle center centre front distance \
     black-and-white close-up someone person people building shop store menu sale \
     ausgang eingang notausgang drucken ziehen aufzug fahrstuhl treppe toilette herren damen feuerloscher achtung \
     vorsicht privat schild bild gemalde tur wand rauchen zutritt links rechts oben unten \
@@ -130,27 +135,22 @@ const GENERIC: &str = "exit push pull toilet restroom washroom bathroom wc lavat
     出口 入口 出入口 非常口 お手洗い 洗手间 卫生间 电梯 楼梯 エレベーター トイレ 階段 消火器 灭火器 押 引 推 拉 絵 立入 \
     左 右 上 下 北口 南口 東口 西口 화장실 출구 입구 계단 выход вход туалет лестница лифт дверь";
 
-const COLOUR: &str = "red green blue yellow orange purple violet pink brown black white grey gray silver gold golden beige turquoise \
+const LOOK: &str = "red green blue yellow orange purple violet pink brown black white grey gray silver gold golden beige turquoise \
     rot grun blau gelb schwarz weiss braun grau rouge vert verte bleu bleue jaune noir noire blanc blanche \
-    rojo roja verde azul amarillo amarilla negro negra blanco blanca";
+    rojo roja verde azul amarillo amarilla negro negra blanco blanca \
+    wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric ceramic \
+    two three four five six seven eight nine ten";
 
 const DESCRIPTIVE: &str = "big large small little tall short long wide narrow thin thick high low huge tiny round square \
     rectangular oval circular triangular flat curved old new modern ancient antique vintage beautiful nice pretty simple \
-    plain colorful colourful bright dark pale dirty clean wooden wood metal metallic steel brass bronze glass plastic \
-    paper stone brick concrete marble leather fabric ceramic shiny matte rusty broken empty full single double multiple \
-    several many few two three four five six seven eight nine ten bold italic handwritten capital different same other \
+    plain colorful colourful bright dark pale dirty clean shiny matte rusty broken empty full single double multiple \
+    several many few bold italic handwritten capital different same other \
     another main abstract";
-
-/// Materials and numbers, of which a thing has one as it has one colour.
-pub(in crate::semantics) static LOOKS: WordList = WordList::of(
-    "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
-    ceramic golden two three four five six seven eight nine ten",
-);
 
 static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
     let lists = [
         (Class::Descriptive, DESCRIPTIVE),
-        (Class::Colour, COLOUR),
+        (Class::Look, LOOK),
         (Class::Generic, GENERIC),
         (Class::Function, FUNCTION),
     ];

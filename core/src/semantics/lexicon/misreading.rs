@@ -25,11 +25,6 @@ pub fn class_of(stem: &str) -> Class {
     dictionary::listed(misread(stem).unwrap_or(stem)).unwrap_or(Class::Specific)
 }
 
-/// Whether a stem is a colour, material or number: what a thing has one of.
-pub fn is_look(stem: &str) -> bool {
-    class_of(stem) == Class::Colour || dictionary::LOOKS.has(stem)
-}
-
 /// Returns the generic word of which a stem is a misreading; none if it is a word itself.
 pub fn misread(stem: &str) -> Option<&'static str> {
     let letters = stem.chars().count();

@@ -1,12 +1,12 @@
-//! What an identifier numbers: a room, a floor, a gate.
+//! What a number is of: a room, a floor, a gate.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use crate::semantics::lexicon::word_list::WordList;
 
-/// What an identifier numbers.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// What a number is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// A room or door, which every plate is of: the word says no more than "number" does.
     Room,
@@ -14,64 +14,47 @@ pub enum Role {
     Floor,
     /// Any other kind this module knows, by its English name: `gate`, `shelf`, `hub`.
     Place(&'static str),
-    /// The unlisted word in front of it, as in "Copernicus 3".
-    Named(String),
-    /// No word tells: a bare number, compatible with every role.
+    /// No word tells: a bare number.
     Neutral,
 }
 
 impl Role {
-    /// Whether two numbers of these roles may be one number: no word need tell.
-    pub fn is_compatible(&self, other: &Role) -> bool {
-        let is_label = |role: &Role| matches!(role, Role::Neutral | Role::Room);
-        self == other
-            || *self == Role::Neutral
-            || *other == Role::Neutral
-            || (is_label(self) && is_label(other))
-    }
-
     /// Whether it numbers a part of a building that holds many objects.
-    pub fn is_container(&self) -> bool {
-        *self == Role::Floor || self.is_named_part()
+    pub fn is_container(self) -> bool {
+        self == Role::Floor || self.is_named_part()
     }
 
     /// Whether it is a part of a building that may have a name: "north wing", and not a floor.
-    pub fn is_named_part(&self) -> bool {
+    pub fn is_named_part(self) -> bool {
         matches!(self, Role::Place("building" | "wing" | "zone" | "section"))
     }
 
     /// Returns the English name, empty for [`Role::Neutral`].
-    pub fn as_str(&self) -> &str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Role::Room => "room",
             Role::Floor => "floor",
             Role::Place(name) => name,
-            Role::Named(name) => name,
             Role::Neutral => "",
         }
     }
 }
 
-/// Returns the role a word names (lower case, without diacritics), and whether the word is a plural.
-pub fn role_of(word: &str) -> Option<(Role, bool)> {
-    BY_WORD.get(word).map(|role| (role.clone(), PLURALS.contains(&word))).or_else(|| {
-        let singular = word.strip_suffix('s')?;
-        BY_WORD.get(singular).filter(|_| singular.len() > 2).map(|role| (role.clone(), true))
-    })
+/// Returns the role a word names (lower case, without diacritics), also in the plural.
+pub fn role_of(word: &str) -> Option<Role> {
+    let of_singular = || BY_WORD.get(word.strip_suffix('s').filter(|singular| singular.len() > 2)?);
+    BY_WORD.get(word).or_else(of_singular).copied()
 }
 
 /// Whether a word names a part of a building that holds many objects: "floor", "wing".
 pub fn names_container(word: &str) -> bool {
-    role_of(word).is_some_and(|(role, _)| role.is_container())
+    role_of(word).is_some_and(Role::is_container)
 }
 
 /// Returns the role that Han, Kana or Hangul straight after a number give it, as in 901号室, and the length of those
 /// characters.
 pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
-    SUFFIXES
-        .iter()
-        .find(|(suffix, _)| run.starts_with(suffix))
-        .map(|(suffix, role)| (role.clone(), suffix.len()))
+    SUFFIXES.iter().find(|(suffix, _)| run.starts_with(suffix)).map(|(suffix, role)| (*role, suffix.len()))
 }
 
 /// Words that only announce a number: "room *no.* 901".
@@ -90,15 +73,11 @@ pub fn words() -> impl Iterator<Item = &'static str> {
 }
 
 static BY_WORD: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
-    let words =
-        ROLES.iter().flat_map(|(role, words)| words.split_whitespace().map(move |word| (word, role.clone())));
-    words.collect()
+    ROLES.iter().flat_map(|(role, words)| words.split_whitespace().map(move |word| (word, *role))).collect()
 });
 
 /// Role words of one language that are things in the descriptions of another: "piano 3" is a floor, and a piano is not.
 const HOMOGRAPHS: [&str; 8] = ["camera", "gang", "mesa", "piano", "piece", "regal", "stock", "tor"];
-
-const PLURALS: [&str; 4] = ["turen", "raume", "shelves", "salles"];
 
 const ROLES: &[(Role, &str)] = &[
     (

@@ -53,7 +53,7 @@ impl Word {
 pub struct Overlap {
     common: u32,
     all: u32,
-    colours: [bool; 3],
+    looks: [bool; 3],
     quantities: [bool; 3],
 }
 
@@ -80,14 +80,14 @@ impl Overlap {
         (self.common * 100).checked_div(self.all).unwrap_or(0)
     }
 
-    /// Both name colours, none in common: "a black cat", "a white cat" (level 2 in Table I).
-    pub fn colours_clash(self) -> bool {
-        self.colours == [false, true, true]
+    /// Both state looks, none in common: "a black cat", "a white cat" (level 2 in Table I).
+    pub fn looks_clash(self) -> bool {
+        self.looks == [false, true, true]
     }
 
-    /// Both state quantities, and not the same ones.
-    pub fn quantities_differ(self) -> bool {
-        self.quantities[1] && self.quantities[2]
+    /// Both state looks or quantities that the other does not.
+    pub fn details_differ(self) -> bool {
+        [self.looks, self.quantities].iter().any(|sides| sides[1] && sides[2])
     }
 }
 
@@ -99,7 +99,7 @@ pub fn overlap(a: &[Word], b: &[Word]) -> Overlap {
         overlap.all += word.weight();
         overlap.common += if side == BOTH { word.weight() } else { 0 };
         match word.class {
-            Class::Colour => overlap.colours[side] = true,
+            Class::Look => overlap.looks[side] = true,
             Class::Quantity | Class::Letter => overlap.quantities[side] = true,
             _ => {}
         }

@@ -6,7 +6,7 @@
 use crate::semantics::judge::evidence::Source;
 use crate::semantics::judge::similarity::{Judgement, similarity};
 use crate::semantics::lexicon::words;
-use crate::semantics::names::relation::{Relation, relate};
+use crate::semantics::names::relation::{Relation, is_conflict, relate};
 use crate::semantics::parsing::direction::Bearing;
 use crate::semantics::text::Text;
 
@@ -69,16 +69,19 @@ pub fn bound_similarity(a: &Text, b: &Text, level: u8) -> u8 {
 
 /// Whether a model may be asked how much a text tells.
 pub fn information_is_open(text: &Text) -> bool {
-    text.identifiers().is_empty() && OPEN_INFORMATION_LEVELS.contains(&text.information_level())
+    !text.has_name() && OPEN_INFORMATION_LEVELS.contains(&text.information_level())
 }
 
-/// Whether this may stand as MergeText of the two. It must have the identifiers of both, no other, and no digit of its own.
+/// Whether this may stand as MergeText of the two. It must have the numbers of both, no name that differs, and no digit of its own.
 pub fn accepts_merge(a: &str, b: &str, merged: &str) -> bool {
-    let [of_a, of_b, of_merged] = [a, b, merged].map(Text::parse);
-    let known = || of_a.identifiers().iter().chain(of_b.identifiers());
-    let union = known().all(|known| of_merged.identifiers().iter().any(|found| found.value == known.value))
-        && of_merged.identifiers().iter().all(|found| known().any(|known| known.value == found.value));
-    !of_merged.normalised().is_empty() && union && has_no_new_digits(merged, &[a, b])
+    let text = Text::parse(merged);
+    let has_name_of = |source: &str| {
+        let source = Text::parse(source);
+        !source.has_name() || (text.has_name() && !is_conflict(&source, &text))
+    };
+    !text.normalised().is_empty()
+        && [a, b].into_iter().all(|source| has_name_of(source) && has_no_new_digits(source, &[merged]))
+        && has_no_new_digits(merged, &[a, b])
 }
 
 /// Whether each group of digits of a text is in one of its sources.

@@ -2,8 +2,6 @@
 
 use unicode_normalization::UnicodeNormalization;
 
-use crate::semantics::names::name::{Name, NameBuilder, PartKind};
-
 /// Returns the text of a code, in NFC without blanks around it; none if the text is no code by its own form.
 ///
 /// Codes by form are the names that ROS gives to AprilTags (`tag36h11:7`, `36h11:7`), a family and a number after a colon
@@ -17,13 +15,6 @@ pub fn by_form(raw: &str) -> Option<String> {
 /// Returns a code as it is compared.
 pub fn exact(raw: &str) -> String {
     raw.nfc().collect::<String>().trim().to_owned()
-}
-
-/// Returns the name that a code is.
-pub fn name(code: &str) -> Option<Name> {
-    let mut builder = NameBuilder::default();
-    builder.exactly(PartKind::Code, code);
-    builder.build()
 }
 
 /// Whether it is a family of markers and a number: `tag36h11:7`. Families are named after their bits and distance (`36h11`),

@@ -71,6 +71,13 @@ impl Name {
         &self.written
     }
 
+    /// Returns the name that a code is, or a text that is compared whole; none of an empty text.
+    pub fn exactly(kind: PartKind, text: &str) -> Option<Name> {
+        let mut name = NameBuilder { written: text.to_owned(), ..NameBuilder::default() };
+        name.push(Part { kind, text: text.into() }, text, ' ');
+        name.build().filter(|_| !text.is_empty())
+    }
+
     /// Whether it is a code.
     pub fn is_code(&self) -> bool {
         self.parts.iter().any(|part| part.kind == PartKind::Code)
@@ -86,21 +93,19 @@ impl Name {
         self.spelt.chars().filter(|c| c.is_alphanumeric())
     }
 
-    /// Returns, for each group of digits that follows another one, how many characters stand before it.
+    /// Returns how many letters and digits stand before the end of each part.
     pub(in crate::semantics) fn borders(&self) -> impl Iterator<Item = usize> + '_ {
-        let mut before = 0;
-        let mut last = ' ';
-        let mut after_digit = false;
-        self.spelt.chars().filter_map(move |c| {
-            if !c.is_alphanumeric() {
-                last = c;
-                return None;
-            }
-            let is_border = after_digit && c.is_ascii_digit() && last != '\0';
-            (last, after_digit) = ('\0', c.is_ascii_digit());
-            before += 1;
-            is_border.then_some(before - 1)
+        self.spelt.split(|c: char| !c.is_alphanumeric()).scan(0, |end, part| {
+            *end += part.chars().count();
+            Some(*end)
         })
+    }
+
+    /// Returns the digits before the first mark in its number, if there is one: the floor of "9.02".
+    pub fn first_part(&self) -> Option<&str> {
+        let number = self.spelt.split(' ').find(|part| part.starts_with(|c: char| c.is_ascii_digit()))?;
+        let (first, _) = number.split_once(['.', '-', ':'])?;
+        first.bytes().all(|byte| byte.is_ascii_digit()).then_some(first)
     }
 }
 
@@ -114,6 +119,11 @@ pub struct NameBuilder {
 }
 
 impl NameBuilder {
+    /// Begins a name that people write with a word before it, which is no part of it.
+    pub fn after(word: &str) -> Self {
+        Self { written: word.to_owned(), ..Self::default() }
+    }
+
     /// Adds a word, or a letter.
     pub fn word(&mut self, word: &str, written: &str) {
         self.write(written);
@@ -122,38 +132,26 @@ impl NameBuilder {
 
     /// Adds a number or code: runs of letters and of digits with the marks between them. `canonical` gives one word for all
     /// languages.
-    pub fn code(&mut self, code: &str, written: &str, canonical: impl Fn(&str) -> String) {
-        self.write(written);
-        let mut rest = code;
-        let mut mark = None;
+    pub fn code(&mut self, code: &str, canonical: impl Fn(&str) -> String) {
+        self.write(code);
+        let (mut rest, mut mark) = (code, None);
         while let Some(first) = rest.chars().next() {
-            let is_digit = |c: char| c.is_ascii_digit();
-            let is_letter = |c: char| c.is_alphabetic();
             let run = |is: fn(char) -> bool| rest.find(|c| !is(c)).unwrap_or(rest.len());
-            let end = match first {
-                _ if is_digit(first) => run(|c| c.is_ascii_digit()),
-                _ if is_letter(first) => run(char::is_alphabetic),
-                _ => {
-                    mark = mark.or(Some(first));
-                    rest = &rest[first.len_utf8()..];
-                    continue;
-                }
-            };
-            if is_digit(first) {
-                self.digits(&rest[..end], mark);
-            } else if rest[..end].chars().nth(1).is_some() {
-                self.letters(&canonical(&rest[..end]));
-            } else {
-                self.letters(&rest[..end]);
+            let is_digit = first.is_ascii_digit();
+            let end = if is_digit { run(|c| c.is_ascii_digit()) } else { run(char::is_alphabetic) };
+            if end == 0 {
+                mark = mark.or(Some(first));
+                rest = &rest[first.len_utf8()..];
+                continue;
+            }
+            let part = &rest[..end];
+            match part.chars().nth(1) {
+                _ if is_digit => self.digits(part, mark),
+                Some(_) => self.letters(&canonical(part)),
+                None => self.letters(part),
             }
             (rest, mark) = (&rest[end..], None);
         }
-    }
-
-    /// Adds a code as it is, or a text that is compared whole.
-    pub fn exactly(&mut self, kind: PartKind, text: &str) {
-        self.write(text);
-        self.push(Part { kind, text: text.into() }, text, ' ');
     }
 
     /// Whether the last part is this word.
@@ -178,7 +176,7 @@ impl NameBuilder {
         if !self.written.is_empty() {
             self.written.push(' ');
         }
-        self.written.push_str(written);
+        self.written.extend(written.chars().flat_map(char::to_uppercase));
     }
 
     fn letters(&mut self, letters: &str) {
@@ -238,7 +236,7 @@ mod tests {
 
     fn name(code: &str) -> Name {
         let mut builder = NameBuilder::default();
-        builder.code(code, code, str::to_owned);
+        builder.code(code, str::to_owned);
         builder.build().expect("a code")
     }
 
@@ -259,11 +257,22 @@ mod tests {
     }
 
     #[test]
-    fn a_border_between_groups_of_digits_is_known_by_its_place() {
-        for (code, borders) in
-            [("1.02", &[1][..]), ("10.2", &[2]), ("102", &[]), ("B1-03", &[2]), ("3A4", &[])]
-        {
+    fn a_border_between_parts_is_known_by_its_place() {
+        for (code, borders) in [
+            ("1.02", &[1, 3][..]),
+            ("10.2", &[2, 3]),
+            ("102", &[3]),
+            ("B1-03", &[1, 2, 4]),
+            ("3A4", &[1, 2, 3]),
+        ] {
             assert_eq!(name(code).borders().collect::<Vec<_>>(), borders, "{code}");
+        }
+    }
+
+    #[test]
+    fn a_number_with_a_mark_begins_with_a_part_of_the_building() {
+        for (code, first) in [("9.02", Some("9")), ("B 9-02", Some("9")), ("902", None), ("901/9.02", None)] {
+            assert_eq!(name(code).first_part(), first, "{code}");
         }
     }
 }

@@ -211,7 +211,7 @@ mod tests {
             assert!(conflict(&parse(text), &parse("ML D 28")).is_none(), "{text}");
         }
         assert!(level("Turing 1.2", "Turing 1.4") < 4);
-        assert_eq!(parse("Level 5").identifiers().len(), 1, "a container stays one");
+        assert!(parse("Level 5").has_name(), "a container stays one");
     }
 
     #[test]
@@ -238,7 +238,7 @@ mod tests {
             ("302", false),
             ("9F", false),
         ] {
-            assert_eq!(parse(text).has_own_identifier(), is_one, "{text}");
+            assert_eq!(parse(text).has_own_name(), is_one, "{text}");
         }
         assert_eq!(numbering.learned_or_given().collect::<Vec<_>>(), patterns);
     }

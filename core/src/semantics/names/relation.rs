@@ -8,7 +8,7 @@ use crate::semantics::text::Text;
 #[derive(Clone, Copy, Debug)]
 pub enum Relation<'n> {
     /// A part that both have differs: they exclude each other (level 1).
-    Different(Difference<'n>),
+    Different(Conflict<'n>),
     /// Several characters of one may be misreadings of the other's (level 2).
     PoorlyRead(&'n Name, &'n Name),
     /// One character, or the marks between groups of digits, may be misread (level 3).
@@ -21,17 +21,15 @@ pub enum Relation<'n> {
     Same(&'n Name, &'n Name),
 }
 
-/// The parts that exclude each other, with the names that have them.
+/// Two names that cannot be of one object, 901 and 910, with the parts that exclude each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Difference<'n> {
-    /// The first name.
+pub struct Conflict<'n> {
+    /// Of the first text.
     pub a: &'n Name,
-    /// The second name.
+    /// Of the second text.
     pub b: &'n Name,
-    /// The part of the first name.
-    pub part_a: &'n Part,
-    /// The part of the second name.
-    pub part_b: &'n Part,
+    pub(in crate::semantics) part_a: &'n Part,
+    pub(in crate::semantics) part_b: &'n Part,
 }
 
 impl Relation<'_> {
@@ -78,7 +76,7 @@ pub fn compare<'n>(a: &'n Name, b: &'n Name) -> Relation<'n> {
         && part_a.kind == PartKind::Code
         && part_b.kind == PartKind::Code
     {
-        return Relation::Different(Difference { a, b, part_a, part_b });
+        return Relation::Different(Conflict { a, b, part_a, part_b });
     }
     if a.parts() == b.parts() {
         return Relation::Unsure(a, b);
@@ -95,7 +93,7 @@ pub fn compare<'n>(a: &'n Name, b: &'n Name) -> Relation<'n> {
         }
     }
     match differing(a.parts(), b.parts()) {
-        Some((part_a, part_b)) => Relation::Different(Difference { a, b, part_a, part_b }),
+        Some((part_a, part_b)) => Relation::Different(Conflict { a, b, part_a, part_b }),
         None => Relation::Open(Some(a), Some(b)),
     }
 }
@@ -159,19 +157,10 @@ fn differing<'n>(a: &'n [Part], b: &'n [Part]) -> Option<(&'n Part, &'n Part)> {
     })
 }
 
-/// Two names that cannot be of one object: 901 is not 910.
-#[derive(Clone, Copy, Debug)]
-pub struct Conflict<'a> {
-    /// Of the first text.
-    pub a: &'a Name,
-    /// Of the second text.
-    pub b: &'a Name,
-}
-
 /// Returns the names of two texts that exclude each other, if any.
 pub fn conflict<'a>(a: &'a Text, b: &'a Text) -> Option<Conflict<'a>> {
     match relate(a, b)? {
-        Relation::Different(Difference { a, b, .. }) => Some(Conflict { a, b }),
+        Relation::Different(conflict) => Some(conflict),
         _ => None,
     }
 }

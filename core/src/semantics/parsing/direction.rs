@@ -20,28 +20,29 @@ pub enum Bearing {
     Clash,
 }
 
-// Stems, as words are compared: "links" is "link".
-const WORDS: [&str; 8] = [
-    "left link gauche izquierda 左",
-    "right rechts droite derecha 右",
-    "up upstair oben haut arriba 上",
-    "down downstair unten bas abajo 下",
+/// The name of each direction, its other stems ("links" is "link"), and its arrows, of which a slanted one turns where its
+/// horizontal part points. The points of the compass are the last four.
+const DIRECTIONS: [&str; 8] = [
+    "left link gauche izquierda 左 <- < ← ⇐ ⬅ ⟵ ⇦ ◀ ◄ ↰ ↲ ↖ ↙ 👈",
+    "right rechts droite derecha 右 -> > → ⇒ ➡ ⟶ ⇨ ▶ ► ↱ ↳ ↗ ↘ ➔ ➜ 👉",
+    "up upstair oben haut arriba 上 ↑ ⇑ ⬆ ⇧ ▲ 👆 ☝",
+    "down downstair unten bas abajo 下 ↓ ⇓ ⬇ ⇩ ▼ 👇",
     "north nord norte 北口",
     "south sud sued 南口",
     "east ost 東口",
     "west ouest oeste 西口",
 ];
+const COMPASS_FROM: usize = 4;
 
 impl Directions {
     /// Returns the directions among these words.
     pub fn among(words: &[Word]) -> Directions {
-        let bits = words.iter().filter_map(|word| bit(&word.text));
-        Directions(bits.fold(0, |all, bit| all | bit))
+        Directions(words.iter().filter_map(|word| number(&word.text)).fold(0, |all, i| all | 1 << i))
     }
 
     /// Returns the directions without the points of the compass, which are parts of names: "North 101".
     pub fn without_compass(self) -> Directions {
-        Directions(self.0 & 0xf)
+        Directions(self.0 & ((1 << COMPASS_FROM) - 1))
     }
 
     /// Compares the directions of two texts.
@@ -56,46 +57,34 @@ impl Directions {
 
     /// Returns the directions in words: "left and up".
     pub fn phrase(self) -> String {
-        let named = (0..WORDS.len()).filter(|i| self.0 & (1 << i) != 0).map(name);
+        let named = (0..DIRECTIONS.len()).filter(|i| self.0 & (1 << i) != 0).map(name);
         named.collect::<Vec<_>>().join(" and ")
     }
 }
 
-/// The word an arrow stands for. A slanted arrow turns where its horizontal part points.
-pub fn of_symbol(symbol: &str) -> Option<&'static str> {
-    let direction = match symbol {
-        "<-" | "<" | "←" | "⇐" | "⬅" | "⟵" | "⇦" | "◀" | "◄" | "↰" | "↲" | "↖" | "↙" | "👈" => {
-            0
-        }
-        "->" | ">" | "→" | "⇒" | "➡" | "⟶" | "⇨" | "▶" | "►" | "↱" | "↳" | "↗" | "↘" | "➔" | "➜" | "👉" => {
-            1
-        }
-        "↑" | "⇑" | "⬆" | "⇧" | "▲" | "👆" | "☝" => 2,
-        "↓" | "⇓" | "⬇" | "⇩" | "▼" | "👇" => 3,
-        _ => return None,
-    };
-    Some(name(direction))
+/// Returns the one name of a direction in all languages; none of other stems and symbols.
+pub fn named(stem_or_symbol: &str) -> Option<&'static str> {
+    number(stem_or_symbol).map(name)
 }
 
-fn name(direction: usize) -> &'static str {
-    WORDS[direction].split(' ').next().unwrap_or_default()
-}
-
-/// Returns the one name of a point of the compass in all languages; none of other stems.
+/// Returns the one name of a point of the compass; none of other stems.
 pub fn compass(stem: &str) -> Option<&'static str> {
-    let named = WORDS.iter().skip(4).find(|words| words.split(' ').any(|word| word == stem))?;
-    named.split(' ').next()
+    number(stem).filter(|i| *i >= COMPASS_FROM).map(name)
 }
 
 /// Whether this stem is a direction.
 pub fn is_direction(stem: &str) -> bool {
-    bit(stem).is_some()
+    number(stem).is_some()
 }
 
-fn bit(word: &str) -> Option<u16> {
-    static BITS: LazyLock<HashMap<&str, u16>> = LazyLock::new(|| {
-        let words = WORDS.iter().enumerate();
-        words.flat_map(|(i, words)| words.split(' ').map(move |word| (word, 1 << i))).collect()
+fn name(direction: usize) -> &'static str {
+    DIRECTIONS[direction].split(' ').next().unwrap_or_default()
+}
+
+fn number(word: &str) -> Option<usize> {
+    static NUMBERS: LazyLock<HashMap<&str, usize>> = LazyLock::new(|| {
+        let directions = DIRECTIONS.iter().enumerate();
+        directions.flat_map(|(i, words)| words.split(' ').map(move |word| (word, i))).collect()
     });
-    BITS.get(word).copied()
+    NUMBERS.get(word).copied()
 }

@@ -1,9 +1,8 @@
 //! Reading a text: its canonical form, its tokens, and what each of them is.
 
+pub mod caption;
 pub mod context;
 pub mod direction;
-pub mod frame;
-pub mod looks;
 pub mod naming;
 pub mod noise;
 pub mod normalise;

@@ -1,13 +1,14 @@
 //! Naming: assembles the names of a text from what its tokens say.
 //!
 //! Everything counts, unless it is known not to: the words "room" and "number", grammar, measures, arrows, and the looks of a
-//! door. Of a sentence about a sign only what stands beside the number is known to be on it.
+//! door. Of a caption only what stands beside the number is known to be on the sign.
+
+use std::collections::BTreeMap;
 
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::generic;
 use crate::semantics::lexicon::role::{self, Role};
 use crate::semantics::lexicon::words::Word;
-use crate::semantics::names::identifier::Identifier;
 use crate::semantics::names::name::{Name, NameBuilder};
 use crate::semantics::parsing::direction;
 use crate::semantics::parsing::normalise::bare;
@@ -25,105 +26,85 @@ pub struct Names {
 
 /// Assembles the names. Without a number or code of its own, a text has none of the object.
 pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
-    let mentions = &reading.mentions;
     let mut own = NameBuilder::default();
-    let mut numbers: Vec<&Identifier> = Vec::new();
-    let mut containers: Vec<(Role, NameBuilder)> = Vec::new();
-    for (at, mention) in mentions.iter().enumerate() {
+    let mut numbers: Vec<&str> = Vec::new();
+    let mut containers: BTreeMap<Role, NameBuilder> = BTreeMap::new();
+    for (at, mention) in reading.mentions.iter().enumerate() {
         match &mention.what {
-            What::Identifier(identifier) if identifier.role.is_container() => {
-                let of_role = containers.iter().position(|(role, _)| *role == identifier.role);
-                let of_role = of_role.unwrap_or_else(|| {
-                    containers.push((identifier.role.clone(), NameBuilder::default()));
-                    containers.len() - 1
-                });
-                containers[of_role].1.code(identifier.as_str(), &identifier.phrase(), canonical);
+            What::Number(role, number) if role.is_container() => {
+                let name = containers.entry(*role).or_insert_with(|| NameBuilder::after(role.as_str()));
+                name.code(number, canonical);
             }
-            What::Identifier(identifier) => {
-                let is_said = |said: &&Identifier| {
-                    said.as_str() == identifier.as_str() && said.role.is_compatible(&identifier.role)
-                };
-                // "901, room 901" says one number twice, "1 C 1" has two.
-                if identifier.role == Role::Room && numbers.iter().any(is_said) {
-                    continue;
+            // "901, room 901" says one number twice, "1 C 1" has two.
+            What::Number(Role::Room, number) if numbers.contains(&number.as_str()) => {}
+            What::Number(role, number) => {
+                numbers.push(number);
+                if let Role::Place(word) = role
+                    && !own.ends_with(word)
+                {
+                    own.word(word, word);
                 }
-                numbers.push(identifier);
-                match &identifier.role {
-                    Role::Place(word) if !own.ends_with(word) => own.word(word, &word.to_uppercase()),
-                    // Elsewhere its own mention is part of the name.
-                    Role::Named(_) if reading.is_caption => {
-                        let word = tokens[mention.first].text;
-                        own.word(&canonical(word), &word.to_uppercase());
-                    }
-                    _ => {}
-                }
-                own.code(identifier.as_str(), identifier.as_str(), canonical);
+                own.code(number, canonical);
             }
-            What::Word { word, negated: false } if counts(word, mentions, at, reading.is_caption) => {
+            What::Word { word, negated: false } if counts(word, reading, at) => {
                 let written: Vec<&str> =
                     tokens[mention.first..mention.end].iter().map(|token| token.text).collect();
-                let said = if word.class == Class::Specific { written.concat() } else { word.text.clone() };
-                own.word(&canonical(&said), &written.join(" ").to_uppercase());
+                let is_read_right = matches!(word.class, Class::Specific | Class::Function | Class::Letter);
+                let said = if is_read_right { written.concat() } else { word.text.clone() };
+                own.word(&canonical(&said), &written.join(" "));
             }
-            What::Article(letter) if !reading.is_caption || is_beside_number(mentions, at) => {
-                own.word(letter, &letter.to_uppercase());
-            }
-            _ => {}
+            What::Word { .. } => {}
         }
     }
     let own = if numbers.is_empty() { None } else { own.build() };
-    containers.sort_by(|a, b| a.0.cmp(&b.0));
     let containers = containers.into_iter().filter_map(|(role, name)| Some((role, name.build()?)));
     Names { own, containers: containers.collect() }
 }
 
 /// Whether a word is part of the name.
-fn counts(word: &Word, mentions: &[Mention], at: usize, is_caption: bool) -> bool {
-    let role = role::role_of(&word.text).map(|(role, _)| role);
+fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
+    let Mention { first, end, .. } = reading.mentions[at];
+    let next = reading.mentions.get(at + 1);
+    let before = at.checked_sub(1).and_then(|before| reading.mentions.get(before));
+    let is_number = |mention: &Mention| matches!(mention.what, What::Number(..));
+    let is_before_number = next.is_some_and(|next| is_number(next) && next.first == end);
+    let is_after_number = before.is_some_and(|before| is_number(before) && before.end == first);
+    let is_before_role = |is_meant: fn(Role) -> bool| {
+        let role = next.and_then(|next| match &next.what {
+            What::Word { word, .. } => role::role_of(&word.text),
+            What::Number(..) => None,
+        });
+        role.is_some_and(is_meant)
+    };
     match word.class {
-        Class::Letter => !is_caption || is_beside_number(mentions, at),
-        _ if is_caption => false,
-        Class::Specific => true,
+        // Grammar that was read is a letter.
+        Class::Letter | Class::Function => !reading.is_caption || is_before_number || is_after_number,
+        Class::Specific => !reading.is_caption || is_before_number,
+        _ if reading.is_caption => false,
         // "Brown door 901" tells the looks of a door, "red 901" the wing.
-        Class::Colour | Class::Descriptive => {
-            !word.is_location() && !is_followed_by(mentions, at, |role| *role == Role::Room)
-        }
-        Class::Generic => match role {
+        Class::Look | Class::Descriptive => !word.is_location() && !is_before_role(|role| role == Role::Room),
+        Class::Generic => match role::role_of(&word.text) {
             Some(Role::Room) => false,
             // Its number is the container's.
-            Some(role) if role.is_container() => !has_container(mentions, &role),
+            Some(role) if role.is_container() => {
+                let is_of_role =
+                    |mention: &Mention| matches!(mention.what, What::Number(of, _) if of == role);
+                !reading.mentions.iter().any(is_of_role)
+            }
             None if direction::is_direction(&word.text) && direction::compass(&word.text).is_none() => {
-                is_followed_by(mentions, at, Role::is_container)
+                is_before_role(Role::is_container)
             }
             _ => true,
         },
-        Class::Quantity | Class::Function => false,
+        Class::Quantity => false,
     }
-}
-
-/// Whether the next mention is a word of such a role.
-fn is_followed_by(mentions: &[Mention], at: usize, is_meant: impl Fn(&Role) -> bool) -> bool {
-    mentions.get(at + 1).is_some_and(|next| match &next.what {
-        What::Word { word, .. } => role::role_of(&word.text).is_some_and(|(role, _)| is_meant(&role)),
-        _ => false,
-    })
-}
-
-fn has_container(mentions: &[Mention], role: &Role) -> bool {
-    mentions.iter().any(|mention| matches!(&mention.what, What::Identifier(found) if found.role == *role))
-}
-
-fn is_beside_number(mentions: &[Mention], at: usize) -> bool {
-    let is_number =
-        |other: usize| mentions.get(other).is_some_and(|mention| matches!(mention.what, What::Identifier(_)));
-    is_number(at + 1) || at.checked_sub(1).is_some_and(is_number)
 }
 
 /// Returns one word for all languages where the lexicon has it.
 fn canonical(word: &str) -> String {
     let bare = bare(word);
     let stem = dictionary::stem(&bare);
-    let role = role::role_of(&stem).map(|(role, _)| role.as_str().to_owned());
-    let known = || generic::concept(&stem).or_else(|| direction::compass(&stem)).map(str::to_owned);
-    role.or_else(known).unwrap_or(bare)
+    let role = role::role_of(&stem).map(Role::as_str);
+    let known = role.or_else(|| generic::concept(&stem)).or_else(|| direction::compass(&stem));
+    known.map_or(bare, str::to_owned)
 }
