@@ -26,100 +26,64 @@ pub fn class_of(stem: &str) -> Class {
 }
 
 /// Returns the generic word of which a stem is a misreading; none if it is a word itself.
+///
+/// Two words differ in one character where they are equal without it, so one look-up for each character does, however many
+/// words there are.
 pub fn misread(stem: &str) -> Option<&'static str> {
-    let letters = stem.chars().count();
-    if !(EXTENDED_LETTERS_MIN..=LETTERS_MAX).contains(&letters) || dictionary::listed(stem).is_some() {
+    static KNOWN: LazyLock<HashSet<&str>> = LazyLock::new(|| OTHERS.split_whitespace().collect());
+    let letters: Vec<char> = stem.chars().collect();
+    let has_length = (EXTENDED_LETTERS_MIN..=LETTERS_MAX).contains(&letters.len());
+    if !has_length || dictionary::listed(stem).is_some() || KNOWN.contains(stem) {
         return None;
     }
-    if MISREADINGS.others.contains(stem) {
-        return None;
-    }
-    extended(stem).or_else(|| misspelt(stem, letters))
+    let missing = spelt(stem).iter().filter(|(_, missing)| missing.is_some());
+    let wrong_or_extra = (0..letters.len()).flat_map(|at| {
+        let is_end = at == 0 || at + 1 == letters.len();
+        spelt(&without(&letters, at)).iter().filter(move |(word, missing)| match missing {
+            None => is_end || word.chars().count() >= MISREAD_LETTERS_MIN,
+            Some(missing) => *missing == at,
+        })
+    });
+    // The smallest of several, that the answer does not depend on the order of a table.
+    missing.chain(wrong_or_extra).map(|(word, _)| *word).min()
 }
 
 /// Returns the generic word of which a code is a misreading, with a digit for a letter: "SAL1DA". Its last character is
 /// none, for "salida1" is exit 1.
 pub fn misread_code(code: &str) -> Option<&'static str> {
-    let mut digits = code.char_indices().filter(|(_, c)| !c.is_alphabetic());
-    let (Some((at, digit)), None) = (digits.next(), digits.next()) else { return None };
-    let rest = format!("{}{}", &code[..at], &code[at + digit.len_utf8()..]);
-    let position = code[..at].chars().count();
-    let is_inside = position > 0 && position < rest.chars().count();
-    MISREADINGS
-        .without_one(&rest)
-        .iter()
-        .find(|(_, missing)| is_inside && *missing == position)
-        .map(|(word, _)| *word)
+    let letters: Vec<char> = code.chars().collect();
+    let mut digits = (0..letters.len()).filter(|at| !letters[*at].is_alphabetic());
+    let (Some(at), None) = (digits.next(), digits.next()) else { return None };
+    let is_inside = at > 0 && at + 1 < letters.len();
+    let words = spelt(&without(&letters, at)).iter();
+    words.filter(|(_, missing)| is_inside && *missing == Some(at)).map(|(word, _)| *word).min()
 }
 
-/// "csalida", "exitc".
-fn extended(stem: &str) -> Option<&'static str> {
-    let first = stem.chars().next()?.len_utf8();
-    let last = stem.chars().next_back()?.len_utf8();
-    [&stem[first..], &stem[..stem.len() - last]]
-        .into_iter()
-        .find_map(|word| MISREADINGS.words.get(word).copied())
+fn without(letters: &[char], at: usize) -> String {
+    letters[..at].iter().chain(&letters[at + 1..]).collect()
 }
 
-/// "emergenca", "sallda", "emergenncia". Two words differ in one character where they are equal without it, so three
-/// look-ups for each character do, however many words there are.
-fn misspelt(stem: &str, letters: usize) -> Option<&'static str> {
-    let missing =
-        MISREADINGS.without_one(stem).iter().filter(|(word, at)| may_miss(word, *at)).map(|(word, _)| *word);
-    let mut found: Option<&'static str> = missing.min();
-    let mut without = String::with_capacity(stem.len());
-    for (position, (at, letter)) in stem.char_indices().enumerate() {
-        without.clear();
-        without.push_str(&stem[..at]);
-        without.push_str(&stem[at + letter.len_utf8()..]);
-        let extra = MISREADINGS.words.get(without.as_str()).copied();
-        let extra = extra.filter(|_| letters > MISREAD_LETTERS_MIN);
-        let wrong = MISREADINGS.without_one(&without).iter();
-        let wrong = wrong.filter(|(word, missing)| *missing == position && may_miss(word, position));
-        // The smallest of several, that the answer does not depend on the order of a table.
-        found = found.into_iter().chain(extra).chain(wrong.map(|(word, _)| *word)).min();
-    }
-    found
-}
-
-fn may_miss(word: &str, position: usize) -> bool {
-    position > 0 || word.chars().count() >= FIRST_MISREAD_LETTERS_MIN
-}
-
-/// The words that may be misread.
-struct Misreadings {
-    words: HashMap<&'static str, &'static str>,
-    /// By the spelling without one character: the word, and the position of that character. An edit distance to every
-    /// word would cost as many comparisons for each word of each detection as there are words in the table.
-    without_one: HashMap<String, Vec<(&'static str, usize)>>,
-    others: HashSet<&'static str>,
-}
-
-impl Misreadings {
-    fn without_one(&self, spelling: &str) -> &[(&'static str, usize)] {
-        self.without_one.get(spelling).map_or(&[], Vec::as_slice)
-    }
-}
-
-static MISREADINGS: LazyLock<Misreadings> = LazyLock::new(|| {
-    // Scripts without capitals have no letter that an arrow is taken for.
-    let is_drawn =
-        |(reading, word): &(Reading, &str)| *reading == Drawn && word.chars().all(char::is_lowercase);
-    let drawn = entries().filter(is_drawn).map(|(_, word)| word);
-    let mut words = HashMap::new();
-    let mut without_one: HashMap<String, Vec<(&'static str, usize)>> = HashMap::new();
-    for word in drawn {
-        let letters: Vec<char> = word.chars().collect();
-        if letters.len() >= EXTENDED_LETTERS_MIN || word == EXIT {
-            words.insert(word, word);
+/// Returns the words that may be misread so, each with the place of the character that is missing.
+fn spelt(spelling: &str) -> &'static [(&'static str, Option<usize>)] {
+    static SPELLINGS: LazyLock<HashMap<String, Vec<(&str, Option<usize>)>>> = LazyLock::new(|| {
+        let mut spellings: HashMap<String, Vec<_>> = HashMap::new();
+        // Scripts without capitals have no letter that an arrow is taken for.
+        let is_drawn =
+            |(reading, word): &(Reading, &str)| *reading == Drawn && word.chars().all(char::is_lowercase);
+        for (_, word) in entries().filter(is_drawn) {
+            let letters: Vec<char> = word.chars().collect();
+            if letters.len() >= EXTENDED_LETTERS_MIN || word == EXIT {
+                spellings.entry(word.to_owned()).or_default().push((word, None));
+            }
+            let first = usize::from(letters.len() < FIRST_MISREAD_LETTERS_MIN);
+            for at in (first..letters.len()).filter(|_| letters.len() >= MISREAD_LETTERS_MIN) {
+                spellings.entry(without(&letters, at)).or_default().push((word, Some(at)));
+            }
         }
-        for at in (0..letters.len()).filter(|_| letters.len() >= MISREAD_LETTERS_MIN) {
-            let rest = letters.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
-            without_one.entry(rest).or_default().push((word, at));
-        }
-    }
-    Misreadings { words, without_one, others: OTHERS.split_whitespace().collect() }
-});
+        spellings
+    });
+    SPELLINGS.get(spelling).map_or(&[], Vec::as_slice)
+}
 
 #[cfg(test)]
 mod tests {
