@@ -25,14 +25,14 @@
 //! | measures, dates, prices, counts | `parsing/quantity.rs` | `tokens_at` |
 //! | left, right, arrows | `parsing/direction.rs` | `Directions` |
 //! | sets of words and their likeness | `lexicon/words.rs` | `overlap`, `prefix` |
-//! | a parsed description, and which to compare at all | `text.rs` | [`Text::parse`], [`Text::keys`] |
+//! | a parsed description | `text.rs` | [`Text`] |
+//! | a description parsed, and which to compare at all | `parse.rs` | [`Text::parse`], [`Text::keys`] |
 //! | what decides about texts without a rare word in common | `judge/profile.rs` | [`Profile`] |
 //! | signs of every building | `judge/common_sign.rs` | [`is_common_sign`] |
 //! | InformationLevel, and why | `judge/information.rs` | [`information()`] |
-//! | name, notice, common sign, description, code or unknown | `judge/kind.rs` | [`TextKind`] |
+//! | name, notice, common sign, description, code or unknown | `judge/kind.rs` | `kind` |
 //! | SimilarityLevel: the rules | `judge/similarity.rs` | [`similarity()`], [`similarity_level`] |
-//! | what a level rests on | `judge/evidence.rs` | `Evidence` |
-//! | the sentence that explains a level | `judge/reason.rs` | `sentence` |
+//! | what a level rests on, and the sentence that explains it | `judge/evidence.rs` | `Evidence` |
 //! | MergeText | `judge/merge.rs` | [`merge()`] |
 //! | what a model may be asked, and what binds it | `models/judge_routing.rs` | [`route_similarity`], [`bound_similarity`] |
 //! | a text as a model's vector | `models/embedding.rs` | [`Embedding`] |
@@ -42,6 +42,7 @@ mod judge;
 mod lexicon;
 mod models;
 mod names;
+mod parse;
 mod parsing;
 mod text;
 
@@ -56,8 +57,7 @@ mod schemes;
 
 pub use judge::common_sign::is_common_sign;
 pub use judge::evidence::Source;
-pub use judge::information::{ENOUGH_SPECIFIC_WORDS, information};
-pub use judge::kind::TextKind;
+pub use judge::information::information;
 pub use judge::merge::merge;
 pub use judge::profile::Profile;
 pub use judge::similarity::{Judgement, similarity, similarity_level};
@@ -74,4 +74,4 @@ pub use names::relation::{Conflict, conflict, is_conflict};
 pub use names::shape::Shape;
 pub use parsing::noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
 pub use parsing::normalise::{clean, fold};
-pub use text::{Identity, Text};
+pub use text::{ENOUGH_SPECIFIC_WORDS, Identity, Text, TextKind};

@@ -2,20 +2,59 @@
 
 use std::hash::{Hash, Hasher};
 
-use crate::semantics::judge::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
-use crate::semantics::judge::kind::{self, TextKind};
+use crate::named::named;
 use crate::semantics::lexicon::dictionary::Class;
-use crate::semantics::lexicon::role::{self, Role};
-use crate::semantics::lexicon::stable_hash::hash;
-use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::lexicon::role::Role;
+use crate::semantics::lexicon::words::Word;
 use crate::semantics::names::code;
-use crate::semantics::names::name::{Name, PartKind};
-use crate::semantics::names::numbering::{Numbering, Standing};
+use crate::semantics::names::name::Name;
+use crate::semantics::names::numbering::Standing;
 use crate::semantics::names::shape::Shape;
 use crate::semantics::parsing::direction::Directions;
-use crate::semantics::parsing::naming::{self, Names};
-use crate::semantics::parsing::reading::{self, Reading};
-use crate::semantics::parsing::{normalise, token};
+use crate::semantics::parsing::normalise;
+
+/// From this many specific words on, a text without identifier or name is worth an anchor.
+pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
+
+named! {
+    /// What kind of text a description is. A description by a model or by hand is one, whatever its words.
+    TextKind {
+        /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
+        Name = "name",
+        /// A proper name beside a word for what it names: "Meeting Room Turing".
+        ProperName = "proper_name",
+        /// A sentence or an instruction: "Please keep this door closed".
+        Notice = "notice",
+        /// A sign of every building: EXIT.
+        CommonSign = "common_sign",
+        /// A description of a thing by a sentence: "a painting of a boat".
+        Description = "description",
+        /// A code: a fiducial marker, a UUID, a link, or any text of the map's `code_classes`.
+        Code = "code",
+        /// None of these for all that is known: a word that the lexicon does not have may be a name, a notice, a brand or noise.
+        Unknown = "unknown",
+    }
+}
+
+impl TextKind {
+    /// Returns the kind of a text of this kind that a model or a person wrote: what has no name describes a thing.
+    pub fn described(self) -> Self {
+        match self {
+            Self::Name | Self::Code | Self::CommonSign => self,
+            Self::ProperName | Self::Notice | Self::Description | Self::Unknown => Self::Description,
+        }
+    }
+}
+
+/// What was found of a text's worth.
+#[derive(Clone, Debug, Default)]
+pub struct Information {
+    /// 1 to 5.
+    pub level: u8,
+    /// Whether it only numbers parts of a building that hold many objects: "Level 5".
+    pub is_container_alone: bool,
+    pub(super) name: Option<String>,
+}
 
 /// A parsed description. Two are equal when their normalised forms are.
 ///
@@ -23,7 +62,7 @@ use crate::semantics::parsing::{normalise, token};
 /// which tell proper names.
 #[derive(Clone, Debug)]
 pub struct Text {
-    normalised: String,
+    pub(super) normalised: String,
     /// The object's own name, unless it has none or its number is none of the building's.
     pub(super) own: Option<Name>,
     /// Names of the parts of a building around the object, by role.
@@ -31,84 +70,18 @@ pub struct Text {
     /// The object's own name, where its number is none of the building's.
     pub(super) foreign: Option<Name>,
     pub(super) standing: Standing,
-    kind: TextKind,
-    gist: Box<str>,
+    pub(super) kind: TextKind,
+    pub(super) gist: Box<str>,
     /// Sorted, without duplicates.
     pub(super) words: Vec<Word>,
     /// Those of `words` that a "no" or "not" bears on.
     pub(super) negated: Vec<Word>,
     pub(super) directions: Directions,
     pub(super) information: Information,
-    keys: Vec<u64>,
+    pub(super) keys: Vec<u64>,
 }
 
 impl Text {
-    /// Parses a description. Any text will do; only the first 256 tokens count.
-    pub fn parse(raw: &str) -> Text {
-        Text::under(raw, None)
-    }
-
-    /// Parses a description in a building whose numbering may be known.
-    pub fn under(raw: &str, numbering: Option<&Numbering>) -> Text {
-        let is_code = numbering.is_some_and(Numbering::is_of_codes);
-        let code = if is_code { Some(code::exact(raw)) } else { code::by_form(raw) };
-        if let Some(code) = code.filter(|code| !code.is_empty()) {
-            let names = Names { own: Name::exactly(PartKind::Code, &code), containers: Vec::new() };
-            return Text::of(&code, code.clone(), &Reading::default(), names, None);
-        }
-        let clean = normalise::clean(raw);
-        let normalised = normalise::fold(&clean);
-        let tokens = token::tokenise(&normalised);
-        let reading = reading::read(&tokens);
-        let names = naming::names(&reading, &tokens);
-        Text::of(&clean, normalised.clone(), &reading, names, numbering)
-    }
-
-    fn of(clean: &str, normalised: String, read: &Reading, names: Names, under: Option<&Numbering>) -> Text {
-        let Names { mut own, containers } = names;
-        let gist = gist(&normalised, own.as_ref(), &containers);
-        let mut standing = Standing::Whole;
-        match (under, &own) {
-            (Some(numbering), _) if numbering.matches_whole(&normalised) => {
-                own = Name::exactly(PartKind::Word, &normalised);
-            }
-            (Some(numbering), Some(name)) => standing = numbering.standing(name),
-            _ => {}
-        }
-        let foreign = if standing == Standing::Foreign { own.take() } else { None };
-        let [words, negated] = [false, true].map(|negated_only| {
-            let counts = |word: &&Word| {
-                // The "level" of "Level 5" is in its name.
-                word.class != Class::Function && (containers.is_empty() || !role::names_container(&word.text))
-            };
-            sorted(read.words(negated_only).filter(counts).cloned().collect())
-        });
-        let directions = Directions::among(&words);
-        let mut text = Text {
-            directions: if own.is_some() { directions.without_compass() } else { directions },
-            normalised,
-            own,
-            containers,
-            foreign,
-            standing,
-            kind: TextKind::Unknown,
-            gist,
-            words,
-            negated,
-            information: Information::default(),
-            keys: Vec::new(),
-        };
-        text.information = information::assess(&text, clean, read);
-        text.kind = kind::kind(&text, clean, read);
-        // It names nothing here, and is still a difference: "Turing 12" is not "Turing 14".
-        let foreign =
-            text.foreign.as_ref().map(|name| Word::of_class(Class::Quantity, name.spelt().to_owned()));
-        text.words.extend(foreign);
-        text.words = sorted(text.words);
-        text.keys = text.blocking_keys();
-        text
-    }
-
     /// Whether a description reads like this one: it has the same [gist](Self::gist). Parses it only where names are compared.
     pub fn reads_as(&self, raw: &str) -> bool {
         match (self.kind, self.own.is_some() || self.foreign.is_some()) {
@@ -177,7 +150,6 @@ impl Text {
         let of_container = |(role, name): &(Role, Name)| (*role, name.spelt().into());
         Some(Identity {
             own: own.spelt().into(),
-            is_code: own.is_code(),
             containers: self.containers.iter().map(of_container).collect(),
             directions: self.directions,
         })
@@ -223,40 +195,14 @@ impl Text {
     pub fn keys(&self) -> &[u64] {
         &self.keys
     }
-
-    /// Of its own name if it has one, else of its most telling words, else of the floor or building: what is on one side only
-    /// never gives level 4, so these kinds need not meet.
-    fn blocking_keys(&self) -> Vec<u64> {
-        sorted(match &self.own {
-            Some(own) => vec![own.look_alike()],
-            None if self.words.is_empty() => {
-                self.containers.iter().map(|(_, name)| hash(b'c', name.key())).collect()
-            }
-            None => words::prefix(&self.words).iter().map(|word| hash(b'w', &word.text)).collect(),
-        })
-    }
 }
 
 /// The names and directions of a text that is judged by these alone.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Identity {
     own: Box<str>,
-    is_code: bool,
     containers: Vec<(Role, Box<str>)>,
     directions: Directions,
-}
-
-/// Returns the gist of a text with these names.
-fn gist(normalised: &str, own: Option<&Name>, containers: &[(Role, Name)]) -> Box<str> {
-    let Some(own) = own else { return normalised.into() };
-    let containers = containers.iter().map(|(role, name)| format!("{} {}", role.as_str(), name.spelt()));
-    containers.chain([own.spelt().to_owned()]).collect::<Vec<_>>().join(", ").into()
-}
-
-fn sorted<T: Ord>(mut all: Vec<T>) -> Vec<T> {
-    all.sort_unstable();
-    all.dedup();
-    all
 }
 
 impl PartialEq for Text {

@@ -7,22 +7,10 @@ use crate::semantics::parsing::caption;
 use crate::semantics::parsing::noise::is_one_symbol;
 use crate::semantics::parsing::normalise::bare;
 use crate::semantics::parsing::reading::Reading;
-use crate::semantics::text::Text;
+use crate::semantics::text::{ENOUGH_SPECIFIC_WORDS, Information, Text};
 
-/// From this many specific words on, a text without identifier or name is worth an anchor.
-pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
 /// An all-capitals text longer than this is a sentence in capitals, and its words are no names.
 const MAX_WORDS_OF_CAPITAL_NAME: usize = 3;
-
-/// What was found of a text's worth.
-#[derive(Clone, Debug, Default)]
-pub struct Information {
-    /// 1 to 5.
-    pub level: u8,
-    /// Whether it only numbers parts of a building that hold many objects: "Level 5".
-    pub is_container_alone: bool,
-    pub(in crate::semantics) name: Option<String>,
-}
 
 /// Finds the level of a text, whose words and names are known: `clean` has its capitals.
 pub fn assess(text: &Text, clean: &str, read: &Reading) -> Information {

@@ -1,6 +1,5 @@
 //! The kind of a text: what it may be evidence of (M22).
 
-use crate::named::named;
 use crate::semantics::judge::information::specific;
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::role;
@@ -10,42 +9,12 @@ use crate::semantics::names::name::Name;
 use crate::semantics::names::numbering::Standing;
 use crate::semantics::parsing::normalise::bare;
 use crate::semantics::parsing::reading::Reading;
-use crate::semantics::text::Text;
+use crate::semantics::text::{Text, TextKind};
 
 /// Words beside a known kind of room from which on a text is a sentence, and no name.
 const NAME_WORDS_MAX: usize = 4;
 /// Words from which on a text that also has grammar is a sentence.
 const NOTICE_WORDS_MIN: usize = 3;
-
-named! {
-    /// What kind of text a description is. A description by a model or by hand is one, whatever its words.
-    TextKind {
-        /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
-        Name = "name",
-        /// A proper name beside a word for what it names: "Meeting Room Turing".
-        ProperName = "proper_name",
-        /// A sentence or an instruction: "Please keep this door closed".
-        Notice = "notice",
-        /// A sign of every building: EXIT.
-        CommonSign = "common_sign",
-        /// A description of a thing by a sentence: "a painting of a boat".
-        Description = "description",
-        /// A code: a fiducial marker, a UUID, a link, or any text of the map's `code_classes`.
-        Code = "code",
-        /// None of these for all that is known: a word that the lexicon does not have may be a name, a notice, a brand or noise.
-        Unknown = "unknown",
-    }
-}
-
-impl TextKind {
-    /// Returns the kind of a text of this kind that a model or a person wrote: what has no name describes a thing.
-    pub fn described(self) -> Self {
-        match self {
-            Self::Name | Self::Code | Self::CommonSign => self,
-            Self::ProperName | Self::Notice | Self::Description | Self::Unknown => Self::Description,
-        }
-    }
-}
 
 /// Words that ask for something.
 static REQUESTS: WordList = WordList::of(
@@ -83,8 +52,8 @@ fn is_beside_kind(words: &[Word]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::TextKind::{self, *};
     use crate::semantics::Text;
+    use crate::semantics::TextKind::{self, *};
 
     #[test]
     fn each_text_has_one_kind() {

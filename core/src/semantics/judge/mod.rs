@@ -6,5 +6,4 @@ pub mod information;
 pub mod kind;
 pub mod merge;
 pub mod profile;
-pub mod reason;
 pub mod similarity;

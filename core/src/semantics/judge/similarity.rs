@@ -1,7 +1,6 @@
 //! SimilarityLevel, §IV-A.2: do two texts describe the same object?
 
 use crate::semantics::judge::evidence::{Evidence, Source};
-use crate::semantics::judge::reason;
 use crate::semantics::lexicon::role;
 use crate::semantics::lexicon::words::{self, Word};
 use crate::semantics::names::name::Name;
@@ -24,7 +23,7 @@ pub struct Judgement {
 pub fn similarity(a: &Text, b: &Text) -> Judgement {
     let (a, b) = in_order(a, b);
     let (level, evidence) = judge(a, b);
-    Judgement { level, source: evidence.source(), reason: reason::sentence(a, b, &evidence) }
+    Judgement { level, source: evidence.source(), reason: evidence.sentence(a, b) }
 }
 
 /// Returns the same answer without the reason. Allocates nothing: for the hot path.

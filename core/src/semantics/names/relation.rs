@@ -9,9 +9,7 @@ use crate::semantics::text::Text;
 pub enum Relation<'n> {
     /// A part that both have differs: they exclude each other (level 1).
     Different(Conflict<'n>),
-    /// Several characters of one may be misreadings of the other's (level 2).
-    PoorlyRead(&'n Name, &'n Name),
-    /// One character, or the marks between groups of digits, may be misread (level 3).
+    /// Characters, or the marks between groups of digits, may be misread (level 3).
     Unsure(&'n Name, &'n Name),
     /// One lacks what the other has, or nobody can tell which parts are to be compared (level 3).
     Open(Option<&'n Name>, Option<&'n Name>),
@@ -37,7 +35,6 @@ impl Relation<'_> {
     pub fn level(&self) -> u8 {
         match self {
             Self::Different(_) => 1,
-            Self::PoorlyRead(..) => 2,
             Self::Unsure(..) | Self::Open(..) => 3,
             Self::SameButZeros(..) => 4,
             Self::Same(..) => 5,
@@ -84,13 +81,9 @@ pub fn compare<'n>(a: &'n Name, b: &'n Name) -> Relation<'n> {
     if a.is_part_of(b) || b.is_part_of(a) {
         return Relation::Open(Some(a), Some(b));
     }
-    if a.look_alike() == b.look_alike() {
-        match misread_characters(a, b) {
-            Some(0) if borders_are_among(a, b) || borders_are_among(b, a) => return Relation::Unsure(a, b),
-            Some(1) => return Relation::Unsure(a, b),
-            Some(2..) => return Relation::PoorlyRead(a, b),
-            _ => {}
-        }
+    let misread = if a.look_alike() == b.look_alike() { misread_characters(a, b) } else { None };
+    if misread.is_some_and(|count| count > 0 || borders_are_among(a, b) || borders_are_among(b, a)) {
+        return Relation::Unsure(a, b);
     }
     match differing(a.parts(), b.parts()) {
         Some((part_a, part_b)) => Relation::Different(Conflict { a, b, part_a, part_b }),

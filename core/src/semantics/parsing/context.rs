@@ -3,6 +3,7 @@
 use crate::semantics::lexicon::dictionary::{self, Class};
 use crate::semantics::lexicon::misreading;
 use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::word_list::WordList;
 use crate::semantics::parsing::direction;
 use crate::semantics::parsing::token::{Kind, Token};
 
@@ -107,7 +108,7 @@ impl Around<'_> {
         let is_letter =
             word.chars().nth(1).is_none() && (ends || role.is_container() || !"aeiouy".contains(word));
         let number = || number_word(word).filter(|_| ends || !word.ends_with("th"));
-        if is_letter || is_roman_numeral(word) { Some(word.to_owned()) } else { number() }
+        if is_letter || ROMAN_NUMERALS.has(word) { Some(word.to_owned()) } else { number() }
     }
 
     /// "On the left": where a thing hangs, and not where it points.
@@ -134,10 +135,10 @@ fn ordinal(code: &str) -> Option<&str> {
     ((1..=2).contains(&digits) && endings.contains(&ending)).then_some(number)
 }
 
-/// Whether a word of two letters or more is a Roman numeral below 90: "Hall III".
-fn is_roman_numeral(word: &str) -> bool {
-    word.len() > 1 && word.bytes().all(|letter| b"ivxl".contains(&letter))
-}
+/// Roman numerals of two letters or more: "Hall III".
+static ROMAN_NUMERALS: WordList = WordList::of(
+    "ii iii iv vi vii viii ix xi xii xiii xiv xv xvi xvii xviii xix xx xxi xxii xxiii xxiv xxv xxvi xxvii xxviii xxix xxx",
+);
 
 /// Returns the number that a word is, in digits.
 pub fn number_word(word: &str) -> Option<String> {

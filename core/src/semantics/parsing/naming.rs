@@ -49,8 +49,7 @@ pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
             What::Word { word, negated: false } if counts(word, reading, at) => {
                 let written: Vec<&str> =
                     tokens[mention.first..mention.end].iter().map(|token| token.text).collect();
-                let is_read_right = matches!(word.class, Class::Specific | Class::Function | Class::Letter);
-                let said = if is_read_right { written.concat() } else { word.text.clone() };
+                let said = if word.class == Class::Specific { written.concat() } else { word.text.clone() };
                 own.word(&canonical(&said), &written.join(" "));
             }
             What::Word { .. } => {}
@@ -63,12 +62,7 @@ pub fn names(reading: &Reading, tokens: &[Token<'_>]) -> Names {
 
 /// Whether a word is part of the name.
 fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
-    let Mention { first, end, .. } = reading.mentions[at];
     let next = reading.mentions.get(at + 1);
-    let before = at.checked_sub(1).and_then(|before| reading.mentions.get(before));
-    let is_number = |mention: &Mention| matches!(mention.what, What::Number(..));
-    let is_before_number = next.is_some_and(|next| is_number(next) && next.first == end);
-    let is_after_number = before.is_some_and(|before| is_number(before) && before.end == first);
     let is_before_role = |is_meant: fn(Role) -> bool| {
         let role = next.and_then(|next| match &next.what {
             What::Word { word, .. } => role::role_of(&word.text),
@@ -77,10 +71,12 @@ fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
         role.is_some_and(is_meant)
     };
     match word.class {
-        // Grammar that was read is a letter.
-        Class::Letter | Class::Function => !reading.is_caption || is_before_number || is_after_number,
-        Class::Specific => !reading.is_caption || is_before_number,
+        Class::Letter | Class::Specific if reading.is_caption => {
+            is_beside_number(word, &reading.mentions, at)
+        }
         _ if reading.is_caption => false,
+        // Grammar that was read is a letter.
+        Class::Letter | Class::Function | Class::Specific => true,
         // "Brown door 901" tells the looks of a door, "red 901" the wing.
         Class::Look | Class::Descriptive => !word.is_location() && !is_before_role(|role| role == Role::Room),
         Class::Generic => match role::role_of(&word.text) {
@@ -98,6 +94,18 @@ fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
         },
         Class::Quantity => false,
     }
+}
+
+/// Whether a word of a caption leads to a number, with nothing but such words between them ("ML D 28"), or is a letter behind
+/// one.
+fn is_beside_number(word: &Word, mentions: &[Mention], at: usize) -> bool {
+    let is_straight = |pair: &&[Mention]| pair[0].end == pair[1].first;
+    let is_number = |what: &What| matches!(what, What::Number(..));
+    let is_of_name = |what: &&What| matches!(what, What::Word { word, .. } if matches!(word.class, Class::Letter | Class::Specific));
+    let mut following = mentions[at..].windows(2).take_while(is_straight).map(|pair| &pair[1].what);
+    let mut preceding = mentions[at.saturating_sub(1)..=at].windows(2).filter(is_straight);
+    following.find(|what| !is_of_name(what)).is_some_and(is_number)
+        || (word.class == Class::Letter && preceding.any(|pair| is_number(&pair[0].what)))
 }
 
 /// Returns one word for all languages where the lexicon has it.

@@ -82,11 +82,11 @@ pub fn read(tokens: &[Token<'_>]) -> Reading {
     }
     reader.negate_last();
     let mut mentions = reader.mentions;
-    let introduces = |mention: &Mention| matches!(&mention.what, What::Word { word, negated: false } if caption::is_noun(&word.text));
-    let is_article =
-        |mention: &Mention| matches!(&mention.what, What::Word { word, .. } if word.class == Class::Function);
-    if is_caption && !mentions.iter().all(|mention| introduces(mention) || is_article(mention)) {
-        mentions.retain(|mention| !introduces(mention));
+    let introduces =
+        |what: &What| matches!(what, What::Word { word, negated: false } if caption::is_noun(&word.text));
+    let is_letter = |what: &What| matches!(what, What::Word { word, .. } if word.is_letter());
+    if is_caption && !mentions.iter().all(|mention| introduces(&mention.what) || is_letter(&mention.what)) {
+        mentions.retain(|mention| !introduces(&mention.what));
     }
     Reading { mentions, is_caption, is_of_picture: is_caption && caption::is_of_picture(&bare) }
 }
@@ -120,7 +120,7 @@ impl Reader<'_> {
             Kind::Ideographs => self.ideographs(at),
             Kind::Symbol => {
                 let symbol = self.bare[at].as_str();
-                if !["-", "#", "+", "\u{b0}", "%", "$"].contains(&symbol) {
+                if !["#", "+", "\u{b0}", "%", "$"].contains(&symbol) {
                     let word = match direction::named(symbol) {
                         Some(direction) => Word::new(direction.to_owned()),
                         None => Word::of_class(Class::Generic, symbol.to_owned()),
@@ -158,10 +158,9 @@ impl Reader<'_> {
         } else if let Some((role, number, len)) = self.around.role_after(at) {
             self.number(role, &number, at, at + len);
             return len;
-        } else if let Some((role, number)) = context::glued_role(code) {
-            self.numbers(role, &number, at, at + 1);
         } else {
-            self.numbers(Role::Neutral, written, at, at + 1);
+            let (role, number) = context::glued_role(code).unwrap_or((Role::Neutral, written.to_owned()));
+            self.numbers(role, &number, at, at + 1);
         }
         1
     }

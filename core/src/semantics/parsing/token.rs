@@ -50,7 +50,7 @@ pub fn tokenise(text: &str) -> Vec<Token<'_>> {
             (if has_digit { Kind::Code } else { Kind::Word }, len)
         } else if rest.starts_with("->") || rest.starts_with("<-") {
             (Kind::Symbol, 2)
-        } else if is_symbol(c) || is_lone_dash(text, at) {
+        } else if is_symbol(c) {
             (Kind::Symbol, c.len_utf8())
         } else {
             after_break |= is_break(c, tokens.last());
@@ -122,11 +122,6 @@ fn is_symbol(c: char) -> bool {
         || matches!(c, '\u{2190}'..='\u{2bff}' | '\u{1f000}'..='\u{1faff}')
 }
 
-/// Returns a dash with a space on either side, as in "901 - 905".
-fn is_lone_dash(text: &str, at: usize) -> bool {
-    text[at..].starts_with("- ") && text[..at].ends_with(' ')
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,7 +135,7 @@ mod tests {
         check("room b1-03, 15.02.", &["room", "b1-03", "15.02"]);
         check("no.5 close-up don't", &["no", "5", "close", "up", "don't"]);
         check("901号室 901-a 901-kitchen", &["901", "号室", "901-a", "901", "kitchen"]);
-        check("901 - 905 -> 10:30", &["901", "-", "905", "->", "10:30"]);
+        check("901 - 905 -> 10:30", &["901", "905", "->", "10:30"]);
         check("", &[]);
     }
 }
