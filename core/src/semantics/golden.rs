@@ -75,6 +75,7 @@ fn similarity_level_of_golden_pairs() {
         // Of a caption, what stands beside the number.
         ("a sign that says ML D 28", "a plate with ML D 28 on it", 5, 5),
         ("a sign that says ML D 28", "a sign that says HG D 28", 1, 1),
+        ("a sign that says North 101", "a sign that says South 101", 1, 1),
         ("a picture of 901", "901", 5, 5),
         ("a blue plate showing 3-114A next to a door", "3-114 A", 5, 5),
         ("room 901, built in 1998", "room 901, built in 2004", 5, 5),

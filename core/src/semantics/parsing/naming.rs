@@ -71,10 +71,7 @@ fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
         role.is_some_and(is_meant)
     };
     match word.class {
-        Class::Letter | Class::Specific if reading.is_caption => {
-            is_beside_number(word, &reading.mentions, at)
-        }
-        _ if reading.is_caption => false,
+        _ if reading.is_caption => is_beside_number(word, &reading.mentions, at),
         // Grammar that was read is a letter.
         Class::Letter | Class::Function | Class::Specific => true,
         // "Brown door 901" tells the looks of a door, "red 901" the wing.
@@ -96,15 +93,18 @@ fn counts(word: &Word, reading: &Reading, at: usize) -> bool {
     }
 }
 
-/// Whether a word of a caption leads to a number, with nothing but such words between them ("ML D 28"), or is a letter behind
-/// one.
+/// Whether a word of a caption leads to a number, with nothing but words for names between them ("ML D 28"), or is a letter
+/// behind one.
 fn is_beside_number(word: &Word, mentions: &[Mention], at: usize) -> bool {
+    let is_for_names = |word: &Word| {
+        matches!(word.class, Class::Letter | Class::Specific) || direction::compass(&word.text).is_some()
+    };
     let is_straight = |pair: &&[Mention]| pair[0].end == pair[1].first;
     let is_number = |what: &What| matches!(what, What::Number(..));
-    let is_of_name = |what: &&What| matches!(what, What::Word { word, .. } if matches!(word.class, Class::Letter | Class::Specific));
+    let goes_on = |what: &&What| matches!(what, What::Word { word, .. } if is_for_names(word));
     let mut following = mentions[at..].windows(2).take_while(is_straight).map(|pair| &pair[1].what);
     let mut preceding = mentions[at.saturating_sub(1)..=at].windows(2).filter(is_straight);
-    following.find(|what| !is_of_name(what)).is_some_and(is_number)
+    (is_for_names(word) && following.find(|what| !goes_on(what)).is_some_and(is_number))
         || (word.class == Class::Letter && preceding.any(|pair| is_number(&pair[0].what)))
 }
 
