@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::{Source, Text, conflict, information, is_conflict, merge, similarity, similarity_level};
 use crate::semantics::lexicon::dictionary::Class;
-use crate::semantics::names::name::PartKind;
+use crate::semantics::names::name::{Name, PartKind};
 
 /// Texts as robots report them: mixed from the words and codes that the rules look for.
 fn sign() -> impl Strategy<Value = String> {
@@ -123,7 +123,7 @@ fn pair() -> impl Strategy<Value = (String, String)> {
 
 /// Returns the digits in the names of a text.
 fn digits(text: &Text) -> BTreeSet<&str> {
-    let parts = text.names().flat_map(|name| name.parts());
+    let parts = text.names().flat_map(Name::parts);
     parts.filter(|part| part.kind == PartKind::Digits).map(|part| &*part.text).collect()
 }
 

@@ -63,10 +63,13 @@ fn without(letters: &[char], at: usize) -> String {
     letters[..at].iter().chain(&letters[at + 1..]).collect()
 }
 
-/// Returns the words that may be misread so, each with the place of the character that is missing.
-fn spelt(spelling: &str) -> &'static [(&'static str, Option<usize>)] {
-    static SPELLINGS: LazyLock<HashMap<String, Vec<(&str, Option<usize>)>>> = LazyLock::new(|| {
-        let mut spellings: HashMap<String, Vec<_>> = HashMap::new();
+/// A word that may be misread, with the place of the character that is missing.
+type Spelt = (&'static str, Option<usize>);
+
+/// Returns the words that may be misread so.
+fn spelt(spelling: &str) -> &'static [Spelt] {
+    static SPELLINGS: LazyLock<HashMap<String, Vec<Spelt>>> = LazyLock::new(|| {
+        let mut spellings: HashMap<String, Vec<Spelt>> = HashMap::new();
         // Scripts without capitals have no letter that an arrow is taken for.
         let is_drawn =
             |(reading, word): &(Reading, &str)| *reading == Drawn && word.chars().all(char::is_lowercase);

@@ -170,8 +170,8 @@ impl Reader<'_> {
         let word = bare[at].as_str();
         let phrase = generic::phrase(&bare[at..]);
         if phrase > 0 && !self.tokens[at + 1..at + phrase].iter().any(|token| token.after_break) {
-            for at in at..at + phrase {
-                self.word(Word::of_class(Class::Generic, dictionary::stem(&bare[at])), at, at + 1);
+            for (at, word) in bare.iter().enumerate().skip(at).take(phrase) {
+                self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at, at + 1);
             }
             return phrase;
         }
