@@ -177,6 +177,8 @@ fn the_information_level_does_not_depend_on_the_frame() {
         "Gate A",
         "Level 5",
         "HUB 10",
+        "H",
+        "000",
         "unknown",
         "no entry",
     ] {
@@ -185,7 +187,7 @@ fn the_information_level_does_not_depend_on_the_frame() {
             format!("a picture of {text}"),
             format!("A framed painting showing {text}"),
             format!("there is {text} in front of"),
-            format!("A photograph of {text} on the wall"),
+            format!("A PHOTOGRAPH OF {text} ON THE WALL"),
         ] {
             assert_eq!(Text::parse(&framed).information_level(), level, "{framed}");
         }

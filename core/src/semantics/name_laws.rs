@@ -30,8 +30,11 @@ fn name() -> impl Strategy<Value = Parts> {
     let has_digits = |parts: &Parts| parts.iter().any(|part| is_digits(part));
     // Three groups of digits may be a date.
     let is_short = |parts: &Parts| parts.iter().filter(|part| is_digits(part)).count() <= 2;
+    // 12 m2 and 12 m3 measure.
+    let measures =
+        |parts: &Parts| parts.windows(2).any(|pair| pair[0] == "M" && ["2", "3"].contains(&pair[1].as_str()));
     prop::collection::vec(part(), 1..5)
-        .prop_filter("numbered", move |parts| has_digits(parts) && is_short(parts))
+        .prop_filter("numbered", move |parts| has_digits(parts) && is_short(parts) && !measures(parts))
 }
 
 fn is_digits(part: &str) -> bool {

@@ -11,7 +11,6 @@ use crate::semantics::names::name::Name;
 use crate::semantics::names::numbering::Standing;
 use crate::semantics::names::shape::Shape;
 use crate::semantics::parsing::direction::Directions;
-use crate::semantics::parsing::normalise;
 
 /// From this many specific words on, a text without identifier or name is worth an anchor.
 pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
@@ -82,12 +81,11 @@ pub struct Text {
 }
 
 impl Text {
-    /// Whether a description reads like this one: it has the same [gist](Self::gist). Parses it only where names are compared.
+    /// Whether a description reads like this one: it has the same [gist](Self::gist).
     pub fn reads_as(&self, raw: &str) -> bool {
-        match (self.kind, self.own.is_some() || self.foreign.is_some()) {
-            (TextKind::Code, _) => code::exact(raw) == self.normalised,
-            (_, true) => *Text::parse(raw).gist == *self.gist,
-            (_, false) => normalise::fold(&normalise::clean(raw)) == self.normalised,
+        match self.kind {
+            TextKind::Code => code::exact(raw) == self.normalised,
+            _ => *Text::parse(raw).gist == *self.gist,
         }
     }
 

@@ -37,11 +37,6 @@ impl Word {
         Word::of_class(Class::Descriptive, format!("at {direction}"))
     }
 
-    /// Whether it is one letter: part of a name, an article, and no word.
-    pub fn is_letter(&self) -> bool {
-        matches!(self.class, Class::Letter | Class::Function)
-    }
-
     /// Whether it tells a place beside the object.
     pub fn is_location(&self) -> bool {
         self.text.starts_with("at ")

@@ -64,7 +64,7 @@ pub fn is_noun(stem: &str) -> bool {
     MEDIA.has(stem) || NOUNS.has(stem)
 }
 
-/// Returns the words, as written, without those with which a caption introduces them: a proper name may open the rest.
+/// Returns the words, as written, without those with which a caption introduces and ends them: a proper name may open the rest.
 pub fn introduced<'w, 't>(words: &'w [&'t str]) -> &'w [&'t str] {
     let introduces = |word: &&&str| {
         let stem = dictionary::stem(&bare(word));
@@ -72,7 +72,8 @@ pub fn introduced<'w, 't>(words: &'w [&'t str]) -> &'w [&'t str] {
     };
     let opening = words.iter().take_while(introduces).count();
     let link = words[..opening].iter().rposition(|word| LINKS.has(&bare(word)));
-    &words[link.map_or(0, |link| link + 1)..]
+    let end = words.iter().rposition(|word| !introduces(&word)).map_or(words.len(), |last| last + 1);
+    &words[link.map_or(0, |link| link + 1).min(end)..end]
 }
 
 #[cfg(test)]
@@ -105,7 +106,7 @@ mod tests {
     fn a_name_is_sought_behind_what_introduces_it() {
         for (text, rest) in [
             ("A picture of Turing", "Turing"),
-            ("There is Turing in front of", "Turing in front of"),
+            ("There is Turing in front of", "Turing"),
             ("The Turing machine", "The Turing machine"),
             ("A painting", "A painting"),
         ] {

@@ -84,8 +84,11 @@ pub fn read(tokens: &[Token<'_>]) -> Reading {
     let mut mentions = reader.mentions;
     let introduces =
         |what: &What| matches!(what, What::Word { word, negated: false } if caption::is_noun(&word.text));
-    let is_letter = |what: &What| matches!(what, What::Word { word, .. } if word.is_letter());
-    if is_caption && !mentions.iter().all(|mention| introduces(&mention.what) || is_letter(&mention.what)) {
+    let is_grammar = |what: &What| matches!(what, What::Word { word, .. } if word.class == Class::Function);
+    // A number that is noise is no mention, and still what the caption shows.
+    let shows_more = tokens.iter().any(|token| token.kind == Kind::Code)
+        || mentions.iter().any(|Mention { what, .. }| !introduces(what) && !is_grammar(what));
+    if is_caption && shows_more {
         mentions.retain(|mention| !introduces(&mention.what));
     }
     Reading { mentions, is_caption, is_of_picture: is_caption && caption::is_of_picture(&bare) }
@@ -275,7 +278,11 @@ impl Reader<'_> {
     /// "Smoking prohibited": a negation that ends its phrase bears on the word before.
     fn negate_last(&mut self) {
         let Some(no) = self.negation.take().filter(|no| !self.tokens[*no].after_break) else { return };
-        if let Some(Mention { what: What::Word { negated, .. }, end, .. }) = self.mentions.last_mut() {
+        // "A picture of no, 901" has no picture that it denies.
+        let introduces = |word: &Word| self.is_caption && caption::is_noun(&word.text);
+        if let Some(Mention { what: What::Word { word, negated }, end, .. }) = self.mentions.last_mut()
+            && !introduces(word)
+        {
             *negated = true;
             *end = no + 1;
         }
