@@ -4,12 +4,14 @@
 //! closing them too adds nothing, and a robot that closes whatever it is told closes one place again and again. A sign that no
 //! loop has joined yet is new, and so is the loop that joins it.
 
+use std::cell::LazyCell;
 use std::collections::BTreeSet;
+use std::ops::Deref;
 
 use super::passage::share_passage;
 use super::returning::is_tracked;
-use crate::domain::change::{Loop, MergeCause};
-use crate::domain::ids::KeyframeSeq;
+use crate::domain::change::{Loop, Merge, MergeCause};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::verdict::ClosedLoop;
 use crate::recognition::loops::anchor_map::LocalName;
 use crate::recognition::loops::comparison::{Comparison, Matched};
@@ -30,14 +32,18 @@ pub fn repeated_loop(
     if comparison.matches.is_empty() {
         return joined_return(index, query, candidate);
     }
-    let is_new = |pair: &Matched<'_>| match (&pair.query.name, &pair.candidate.name) {
-        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => a != b,
-        _ => true,
+    let sign_of = |pair: &Matched<'_>| match (&pair.query.name, &pair.candidate.name) {
+        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) if a == b => Some(*a),
+        _ => None,
     };
-    if comparison.matches.iter().any(is_new) {
+    if comparison.matches.iter().any(|pair| sign_of(pair).is_none()) {
         return None;
     }
-    let joined = comparison.matches.iter().find_map(|pair| merging_loop(index, query, pair, candidate));
+    // As far as the query's local anchor map reaches, but through no loop.
+    let passage = LazyCell::new(|| around_by_sight(index, query));
+    let nearest = query.nearest()?;
+    let mut returns = comparison.matches.iter().filter(|pair| !is_tracked(index, pair, nearest, candidate));
+    let joined = returns.find_map(|pair| merging_loop(index, sign_of(pair)?, &passage));
     joined.map(|closed| of_query(query, closed))
 }
 
@@ -52,7 +58,7 @@ fn of_query(query: &Query<'_>, closed: &Loop) -> ClosedLoop {
     ClosedLoop { id: closed.id.clone(), keyframe: other.clone() }
 }
 
-/// Returns the confirmed loop that joins the passages of the query and of a candidate.
+/// Returns the confirmed loop that joins the passages of the query and of a candidate: somebody knows that it is one place.
 pub fn joining_loop<'m>(
     index: &'m MapIndex,
     around_query: &BTreeSet<KeyframeSeq>,
@@ -67,22 +73,23 @@ pub fn joining_loop<'m>(
     })
 }
 
-/// Returns the loop of this passage that made a sign one: it merged what this passage saw of it with what others did.
+/// Returns the loop of a passage that made a sign one: it merged what this passage saw of it with what others did.
 fn merging_loop<'m>(
     index: &'m MapIndex,
-    query: &Query<'_>,
-    pair: &Matched<'_>,
-    candidate: KeyframeSeq,
+    sign: AnchorSeq,
+    passage: &impl Deref<Target = BTreeSet<KeyframeSeq>>,
 ) -> Option<&'m Loop> {
-    let LocalName::MergedAnchor(root) = &pair.query.name else { return None };
-    if is_tracked(index, pair, query.nearest()?, candidate) {
-        return None;
-    }
-    // As far as the query's local anchor map reaches, but through no loop.
-    let passage = around_by_sight(index, query);
+    let object = index.objects().get(sign)?;
+    let loop_of = |merge: &Merge| match &merge.cause {
+        MergeCause::Loop(id) => index.loops().get(id),
+        MergeCause::Covisible => None,
+    };
+    let links = |member: &AnchorSeq| index.objects().links(*member).filter_map(loop_of);
+    // Most signs were joined by no loop: then nothing more is asked.
+    object.members.iter().find_map(|member| links(member).next())?;
     let mut sightings = BTreeSet::new();
     let mut own = BTreeSet::new();
-    for member in &index.objects().get(*root)?.members {
+    for member in &object.members {
         let seen_by = index.anchor(*member).into_iter().flat_map(Anchor::keyframes);
         let here: Vec<KeyframeSeq> = seen_by.filter(|keyframe| passage.contains(keyframe)).collect();
         if !here.is_empty() {
@@ -90,14 +97,9 @@ fn merging_loop<'m>(
             sightings.extend(here);
         }
     }
-    let merges = own.iter().flat_map(|member| index.objects().links(*member));
-    let loops = merges.filter_map(|merge| match &merge.cause {
-        MergeCause::Loop(id) => index.loops().get(id),
-        MergeCause::Covisible => None,
-    });
-    let is_here = |end| sightings.iter().any(|seen| *seen == end || share_passage(index, *root, *seen, end));
+    let is_here = |end| sightings.iter().any(|seen| *seen == end || share_passage(index, sign, *seen, end));
     let of_passage = |closed: &&Loop| is_here(closed.keyframe) || is_here(closed.candidate);
-    loops.filter(of_passage).min_by(|a, b| a.id.cmp(&b.id))
+    own.iter().flat_map(links).filter(of_passage).min_by(|a, b| a.id.cmp(&b.id))
 }
 
 /// Returns the keyframes at most two steps of covisibility away from a query, loops left out.

@@ -29,12 +29,15 @@ pub fn share_passage(index: &MapIndex, root: AnchorSeq, a: KeyframeSeq, b: Keyfr
 /// Whether an object was seen in one passage alone, and nothing else in the map is called like it: who knows it from two
 /// places knows it by odometry, and has not seen it again.
 pub fn is_seen_once(index: &MapIndex, root: AnchorSeq) -> bool {
+    if matches(index, root).next().is_some() {
+        return false;
+    }
     let Some(object) = index.objects().get(root) else { return false };
     let session = |seq: KeyframeSeq| index.keyframe(seq).map(|keyframe| keyframe.session);
     let is_one =
         |pair: &[KeyframeSeq]| session(pair[0]) == session(pair[1]) && are_joined(index, pair[0], pair[1]);
     let sightings: Vec<KeyframeSeq> = index.keyframes_of(object).into_iter().collect();
-    matches(index, root).next().is_none() && sightings.windows(2).all(is_one)
+    sightings.windows(2).all(is_one)
 }
 
 /// Whether a chain joins a sighting and the next one of the session, with little driven between them.

@@ -5,12 +5,9 @@
 //! two sightings at one place, under geometry on map points, or where a confirmed loop already joins the passages. Such texts
 //! do not witness each other.
 
-use std::collections::BTreeSet;
-
 use super::alignment::Compared;
 use super::closed_return::joining_loop;
 use super::tracked_path::{TrackedPath, drift_m};
-use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::LocalAnchor;
 use crate::recognition::loops::comparison::Comparison;
@@ -24,11 +21,6 @@ pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {
         anchor.text.as_ref().zip(anchor.kind).is_some_and(|(text, kind)| text.needs_witness(kind))
     };
     comparison.matches.iter().all(|pair| (needs(pair.query) && needs(pair.candidate)) || pair.is_disputed)
-}
-
-/// Whether a confirmed loop joins the passages of the query and of a candidate: somebody knows that it is one place.
-pub fn loop_joins(index: &MapIndex, around_query: &BTreeSet<KeyframeSeq>, candidate: KeyframeSeq) -> bool {
-    joining_loop(index, around_query, candidate).is_some()
 }
 
 /// Whether odometry has every matched pair at one place.
@@ -51,7 +43,7 @@ pub(in crate::recognition) fn bear_out(
     pre_verified.path = tracked.and_then(|query| TrackedPath::between(index, query, pre_verified.keyframe));
     let is_borne_out = || {
         pre_verified.path.is_some_and(|path| odometry_agrees(&path, &pre_verified.compared, settings))
-            || loop_joins(index, &query.centre.covisible, pre_verified.keyframe)
+            || joining_loop(index, &query.centre.covisible, pre_verified.keyframe).is_some()
     };
     if pre_verified.stage == CandidateStage::NeedsWitness && is_borne_out() {
         pre_verified.stage = CandidateStage::AnchorsAgree;

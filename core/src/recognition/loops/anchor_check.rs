@@ -13,7 +13,7 @@ use super::query::Query;
 use super::screening::{CandidateStage, Passed, PreVerified, Rivalry};
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::WithoutAnchors;
-use crate::domain::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify};
+use crate::domain::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
 use crate::recognition::extensions::alignment::Compared;
 use crate::recognition::extensions::closed_return::{joined_return, repeated_loop};
 use crate::recognition::extensions::company::Companies;
@@ -21,7 +21,7 @@ use crate::recognition::extensions::difference::find_differing;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::returning::{is_tracked_only, returning_identifier};
 use crate::recognition::extensions::vouching::{Voucher, may_vouch, widened};
-use crate::recognition::extensions::witness::{lacks_witness, loop_joins};
+use crate::recognition::extensions::witness::lacks_witness;
 use crate::recognition::extensions::worst_case::{WorstCase, awaited, model_is_missed, worst_case};
 use crate::recognition::map::index::MapIndex;
 
@@ -89,10 +89,10 @@ impl<'a> AnchorCheck<'a> {
         counts: &mut Counts,
     ) -> Option<(Voucher, PreVerified)> {
         let keyframe = pre_verified.keyframe;
-        if loop_joins(self.index, &self.query.centre.covisible, keyframe) {
+        if let Some(closed) = joined_return(self.index, self.query, keyframe) {
             let joined = PreVerified {
                 is_here: self.is_here(keyframe),
-                repeats: self.repeats(|index, query| joined_return(index, query, keyframe)),
+                repeats: self.closes_once().then_some(closed),
                 snapshot: GeometrySnapshot::stored(self.index, keyframe),
                 ..pre_verified.clone()
             };
@@ -173,7 +173,10 @@ impl<'a> AnchorCheck<'a> {
                 is_here: self.is_here(keyframe),
                 identifier: returning_identifier(index, comparison, query, nearest, keyframe),
                 compared: Compared::of(index, comparison, differing),
-                repeats: self.repeats(|index, query| repeated_loop(index, comparison, query, keyframe)),
+                repeats: self
+                    .closes_once()
+                    .then(|| repeated_loop(index, comparison, query, keyframe))
+                    .flatten(),
                 path: None,
                 snapshot: if self.verify == Verify::Anchors {
                     None
@@ -187,10 +190,9 @@ impl<'a> AnchorCheck<'a> {
         pre_verified
     }
 
-    /// Returns the confirmed loop that a candidate would repeat, unless repeated ones count.
-    fn repeats(&self, find: impl FnOnce(&MapIndex, &Query<'_>) -> Option<ClosedLoop>) -> Option<ClosedLoop> {
-        let once = self.index.properties().settings.returns_close_once && !self.query.again;
-        once.then(|| find(self.index, self.query)).flatten()
+    /// Whether a loop that repeats a confirmed one is none (M63).
+    fn closes_once(&self) -> bool {
+        self.index.properties().settings.returns_close_once && !self.query.again
     }
 
     /// Whether the query's session has the two keyframes at one place.
