@@ -11,8 +11,12 @@ use super::motion::believed;
 use super::reader::Reader;
 use super::route::Stand;
 use super::world::{CORRIDOR_M, ROOM, ROOM_HALF_M, Sign, Space, WALL_M, World};
+use crate::api::keyframe::CameraShape;
+use crate::api::space::Transform;
 use crate::geometry::{Point3, Pose};
+use crate::hotel::building::texture::{Descriptor, bytes};
 use crate::hotel::rng::SeededRng;
+use crate::hotel::robot::message::{DESCRIPTOR_BYTES, tenths_of_millimetres as rounded};
 use crate::hotel::sensing::camera::{CAMERA, FOCAL_LENGTH_PX, IMAGE_PX};
 
 /// Points of a cell of wall.
@@ -25,7 +29,6 @@ const POINT_RANGE_M: std::ops::Range<f64> = 0.8..9.0;
 const BIT_NOISE: f64 = 0.06;
 /// The share of points that no other cell has, however alike the two look.
 const OWN_POINTS: f64 = 0.2;
-const DESCRIPTOR_BYTES: usize = 32;
 /// Words of a cell.
 const WORDS: usize = 10;
 /// The depth camera's error, as a share of the distance.
@@ -88,18 +91,14 @@ pub fn session(world: &World, number: usize, stands: &[Stand]) -> Vec<Keyframe> 
 }
 
 fn head(world: &World, number: usize, stand: &Stand, pose: &Pose) -> Map<String, Value> {
-    let ([x, y, z], [qx, qy, qz, qw]) = (pose.translation_m(), pose.rotation_xyzw());
     let mut head = Map::new();
     head.insert("session".into(), format!("robot-{number}").into());
     // Sessions are an hour apart.
     let second = 3_600 * number as u32 + stand.second;
     head.insert("stamp".into(), json!({"sec": second, "nanosec": 0}));
-    let pose =
-        json!({"translation": {"x": x, "y": y, "z": z}, "rotation": {"x": qx, "y": qy, "z": qz, "w": qw}});
-    head.insert("pose".into(), pose);
+    head.insert("pose".into(), json!(Transform::from(*pose)));
     if world.traits.client != Client::Bare {
-        let camera = json!({"fx": CAMERA.fx, "fy": CAMERA.fy, "cx": CAMERA.cx, "cy": CAMERA.cy, "width": CAMERA.width, "height": CAMERA.height});
-        head.insert("camera".into(), camera);
+        head.insert("camera".into(), json!(CameraShape::from(CAMERA)));
     }
     head
 }
@@ -177,7 +176,7 @@ fn see(
             continue;
         }
         keypoints.push(json!([rounded(u + rng.normal(0.6)), rounded(v + rng.normal(0.6)), 0]));
-        descriptors.extend(descriptor(point.descriptor, rng));
+        descriptors.extend(bytes(&descriptor(point.descriptor, rng)));
         ids.push(point.id);
         words.insert(point.words);
         if has_depth && placed.insert(point.id) {
@@ -228,13 +227,11 @@ fn wall_points(world: &World, space: Space) -> impl Iterator<Item = WallPoint> {
     })
 }
 
-fn descriptor(name: u64, rng: &mut SeededRng) -> Vec<u8> {
-    let words = (0..4).map(|word| mixed(name, 100 + word));
-    let flipped = words.map(|word| {
+fn descriptor(name: u64, rng: &mut SeededRng) -> Descriptor {
+    std::array::from_fn(|word| {
         let noise = (0..64).filter(|_| rng.happens(BIT_NOISE)).fold(0_u64, |noise, bit| noise | 1 << bit);
-        word ^ noise
-    });
-    flipped.flat_map(u64::to_le_bytes).collect()
+        mixed(name, 100 + word as u64) ^ noise
+    })
 }
 
 /// Returns a number that two others make, alike on every machine (the finaliser of SplitMix64, Steele et al. 2014).
@@ -247,8 +244,4 @@ fn mixed(a: u64, b: u64) -> u64 {
 
 fn pixel(at: &Point3) -> [f64; 2] {
     [FOCAL_LENGTH_PX * at.x / at.z + CAMERA.cx, FOCAL_LENGTH_PX * at.y / at.z + CAMERA.cy]
-}
-
-fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }

@@ -15,7 +15,7 @@ use crate::cli::output::write_out;
 use crate::cli::serve::own_server;
 use crate::client::Client;
 use crate::hotel::method::Method;
-use crate::hotel::seeds::{BLOCK_MAX, BLOCK_WORLDS, HELD_OUT_FROM};
+use crate::hotel::seeds::{BLOCK_MAX, BLOCK_WORLDS, WorldSet};
 
 /// Drive robots through small simulated buildings of many kinds, and score the loops that the server reports.
 ///
@@ -72,8 +72,9 @@ pub(super) async fn run(args: &BuildingsArgs) -> Result<(), Failure> {
         None if args.kinds.is_empty() => Kind::TUNING.to_vec(),
         None => args.kinds.clone(),
     };
-    let first = args.held_out.map_or(0, |block| HELD_OUT_FROM + BLOCK_WORLDS * block);
-    let worlds = kinds.iter().flat_map(|kind| (first..first + args.worlds).map(|seed| (*kind, seed)));
+    let set = WorldSet::of_block(args.held_out);
+    let worlds =
+        kinds.iter().flat_map(|kind| set.seeds().take(args.worlds as usize).map(|seed| (*kind, seed)));
     let worlds: Vec<(Kind, u64)> = worlds.collect();
     if let Some(folder) = &args.record {
         std::fs::create_dir_all(folder)?;

@@ -137,6 +137,7 @@ fn hundredths(value: f64) -> f64 {
     (value * 1e2).round() / 1e2
 }
 
-fn tenths_of_millimetres(value: f64) -> f64 {
+/// Rounds metres to tenths of millimetres.
+pub fn tenths_of_millimetres(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
