@@ -39,7 +39,7 @@ pub enum Kind {
     Photographs,
 }
 
-/// How the wings and floors of a building look beside each other.
+/// The likeness of a building's wings and floors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
     /// Each its own way.
@@ -50,7 +50,7 @@ pub enum Look {
     Mirrored,
 }
 
-/// What a client sends besides detections.
+/// The data that a client sends besides detections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Client {
     /// Features with map points, by a depth camera.
@@ -61,7 +61,7 @@ pub enum Client {
     Photographs,
 }
 
-/// What may hang in a building besides plates and common signs.
+/// Things that may hang in a building besides plates and common signs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extra {
     /// Notices at doors.
@@ -76,7 +76,7 @@ pub enum Extra {
     Directories,
 }
 
-/// What a kind of building has.
+/// The traits of a kind of building.
 #[derive(Clone, Debug)]
 pub struct Traits {
     /// Ways to number doors; the seed draws one.
@@ -85,9 +85,9 @@ pub struct Traits {
     pub wings: usize,
     /// Floors.
     pub floors: usize,
-    /// How they look beside each other.
+    /// Their likeness.
     pub look: Look,
-    /// What hangs there besides plates and common signs.
+    /// Things that hang there besides plates and common signs.
     pub hangs: &'static [Extra],
     /// The share of readings with a wrong or missing character.
     pub misread: f64,
@@ -101,7 +101,7 @@ pub struct Traits {
     pub lift: bool,
     /// By how much lengths drift over a session.
     pub stretch: f64,
-    /// What clients send.
+    /// The data that clients send.
     pub client: Client,
 }
 

@@ -33,11 +33,11 @@ pub struct Asked {
 /// The place that an answer names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Named {
-    /// How it stands to the query.
+    /// Its standing to the query.
     pub standing: Standing,
     /// Whether the two sessions have never been in one place; then a wrong loop joins what has nothing in common.
     pub never_met: Option<(usize, usize)>,
-    /// What the loop rests on: the kinds of the texts that match, and whether geometry verified it.
+    /// The loop's grounds: the kinds of the texts that match, and whether geometry verified it.
     pub rests_on: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a reader makes of a sign.
+//! Reader: the text that it makes of a sign.
 
 use super::world::{Sign, World};
 use crate::hotel::rng::SeededRng;

@@ -1,4 +1,4 @@
-//! Where the robots drive: sessions of stands, one after the other.
+//! Routes of the robots: sessions of stands, one after the other.
 
 use std::f64::consts::{FRAC_PI_6, PI};
 
@@ -11,7 +11,7 @@ const STEP_M: f64 = 0.8;
 /// Keyframes of a robot that looks round in a room.
 const LOOKS: usize = 7;
 
-/// Where a keyframe is taken.
+/// The place at which a keyframe is taken.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand {
     /// The corridor or room.

@@ -28,7 +28,7 @@ pub struct Score {
     pub visits_wrong: u64,
     /// Pairs of sessions that a wrong loop joins and that were never in one place.
     pub joined: u64,
-    /// What the wrong loops rest on.
+    /// The grounds of the wrong loops.
     pub causes: BTreeMap<String, u64>,
 }
 

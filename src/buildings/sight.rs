@@ -1,4 +1,4 @@
-//! What a keyframe sees, and the body that its client sends.
+//! Sight: the signs and points that a keyframe sees, and the body that its client sends.
 
 use std::collections::BTreeSet;
 
@@ -41,13 +41,13 @@ pub struct Keyframe {
     pub id: String,
     /// Its session, from 0.
     pub session: usize,
-    /// Where it was taken.
+    /// The place at which it was taken.
     pub stand: Stand,
-    /// How far its robot had driven, in metres.
+    /// The way that its robot had driven, in metres.
     pub driven_m: f64,
     /// The physical signs in view.
     pub signs: BTreeSet<usize>,
-    /// What its client sends.
+    /// The body that its client sends.
     pub body: Map<String, Value>,
 }
 

@@ -1,4 +1,4 @@
-//! What hangs in buildings besides plates: notices, brands, pictures, pointers and directories.
+//! Texts of buildings besides plates: notices, brands, pictures, pointers and directories.
 
 /// Notices that a building hangs at many doors.
 pub const NOTICES: [&str; 12] = [

@@ -13,7 +13,7 @@ const NEAR_M: f64 = 10.0;
 /// A keyframe of the same session is a return once the robot has driven so far, in metres.
 const RETURN_M: f64 = 12.0;
 
-/// How two keyframes stand to each other.
+/// The standing of two keyframes to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Standing {
     /// One place, on two visits.

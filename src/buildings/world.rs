@@ -56,7 +56,7 @@ pub struct Sign {
     pub is_picture: bool,
     /// Whether a reader may take it for a plate: the errors of a passage concern plates alone.
     pub is_plate: bool,
-    /// Where it hangs, in the frame of its floor's corridor, in metres.
+    /// Its place in the frame of its floor's corridor, in metres.
     pub at: Point3,
     /// From how far it can be read, in metres.
     pub range_m: f64,
@@ -65,7 +65,7 @@ pub struct Sign {
 /// A building.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// What it has.
+    /// Its traits.
     pub traits: Traits,
     /// Its seed.
     pub seed: u64,

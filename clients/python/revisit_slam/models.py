@@ -398,7 +398,9 @@ class SettingsWithoutAnchors(OpenEnum):
 
 
 class TextKind(OpenEnum):
-    """What kind of text a description is. A description by a model or by hand is one, whatever its words."""
+    """The kind of text that a description is. A description by a model or by hand is one, whatever its
+    words.
+    """
 
     NAME = "name"
     """A name with a number: '901', 'ML D 28', 'HUB 10', also of a floor."""
@@ -1351,8 +1353,8 @@ class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
     covisible: list[CovisibleKeyframe]
     """The covisible keyframes that its client declared; all of them are listed at `.../covisible`."""
     covisible_total: int
-    """How many keyframes are covisible with it: by shared points, by declaration, by a confirmed loop or
-    along the drive.
+    """The number of keyframes that are covisible with it: by shared points, by declaration, by a confirmed
+    loop or along the drive.
     """
     detections: list[DetectionView]
     """Its detections, each with what became of it."""

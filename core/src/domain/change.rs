@@ -35,7 +35,7 @@ pub struct Keyframe {
     pub gravity: Option<Gravity>,
     /// The map points it observes, ascending.
     pub observes: PointList,
-    /// What the client declared of its covisible keyframes.
+    /// The covisible keyframes that the client declared.
     pub declared: Declared,
     /// The map points that its features were sent with and that are others now; `None` as long as the client has not changed
     /// what it observes.

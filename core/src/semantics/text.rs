@@ -16,7 +16,7 @@ use crate::semantics::parsing::direction::Directions;
 pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
 
 named! {
-    /// What kind of text a description is. A description by a model or by hand is one, whatever its words.
+    /// The kind of text that a description is. A description by a model or by hand is one, whatever its words.
     TextKind {
         /// A name with a number: "901", "ML D 28", "HUB 10", also of a floor.
         Name = "name",
@@ -45,7 +45,7 @@ impl TextKind {
     }
 }
 
-/// What was found of a text's worth.
+/// The worth of a text.
 #[derive(Clone, Debug, Default)]
 pub struct Information {
     /// 1 to 5.

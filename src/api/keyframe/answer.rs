@@ -94,7 +94,7 @@ pub struct KeyframeView {
     pub observes: Vec<i64>,
     /// The covisible keyframes that its client declared; all of them are listed at `.../covisible`.
     pub covisible: Vec<CovisibleShape>,
-    /// How many keyframes are covisible with it: by shared points, by declaration, by a confirmed loop or along the drive.
+    /// The number of keyframes that are covisible with it: by shared points, by declaration, by a confirmed loop or along the drive.
     pub covisible_total: usize,
     /// Its detections, each with what became of it.
     pub detections: Vec<DetectionView>,

@@ -51,7 +51,7 @@ enum Said {
     Word(String, bool),
 }
 
-/// Where a text says one thing: from one byte to another, and whether it goes on from what is before.
+/// A stretch of a text that says one thing: its bytes, and whether it goes on from the one before.
 struct Phrase {
     says: Said,
     start: usize,

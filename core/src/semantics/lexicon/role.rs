@@ -1,11 +1,11 @@
-//! What a number is of: a room, a floor, a gate.
+//! Roles of a number: a room, a floor, a gate.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use crate::semantics::lexicon::word_list::WordList;
 
-/// What a number is of.
+/// The kind of thing that a number is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// A room or door, which every plate is of: the word says no more than "number" does.

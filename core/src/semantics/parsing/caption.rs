@@ -17,7 +17,7 @@ static MEDIA: WordList = WordList::of(
     bild gemalde foto tableau peinture affiche dessin cuadro pintura imagen quadro dipinto immagine schilderij afbeelding",
 );
 
-/// What carries a text, the text itself, and where in the picture they are.
+/// Carriers of a text, the text itself, and their places in the picture.
 static NOUNS: WordList = WordList::of(
     "sign signage plate plaque label board panel placard notice text word inscription caption lettering \
     front back wall background foreground middle center centre distance top close oil",
@@ -31,7 +31,7 @@ static TELLING: WordList = WordList::of(
     "there showing saying displaying reading letters lettering characters digits text inscription",
 );
 
-/// What stands between the beginning of a caption and its object.
+/// Words between the beginning of a caption and its object.
 static LINKS: WordList =
     WordList::of("of is are with on showing depicting displaying featuring reading saying");
 

@@ -80,7 +80,7 @@ fn unit_of(code: &str) -> Option<&str> {
     Some(unit).filter(|unit| digits > 0 && fits && GLUED_UNITS.has(unit))
 }
 
-/// What a small number counts: "3 boats", "2 people".
+/// Whether a word is one that small numbers count: "3 boats", "2 people".
 fn is_plural(word: &str) -> bool {
     let is_one = word.len() > 3 && word.ends_with('s') && !word.ends_with("ss");
     (is_one && word.is_ascii() && role::role_of(word).is_none())

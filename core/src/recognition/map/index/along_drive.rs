@@ -18,7 +18,7 @@ use crate::geometry::Point3;
 /// The most neighbours on either side: what is asked of a keyframe costs no more where a client sends each frame.
 const NEIGHBOURS_MAX: usize = 64;
 
-/// What a client told of the covisibility of a keyframe.
+/// The covisibility that a client told of a keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Links {
     /// A list.
