@@ -261,7 +261,6 @@ impl MapIndex {
         let sharing = self.covisibility().counted(keyframe.seq);
         self.lists.add(keyframe.seq, &sharing);
         self.track(keyframe.seq);
-        self.count_unlinked(keyframe.seq, true);
         for (other, points) in keyframe.declared() {
             self.lists.declare(keyframe.seq, *other, *points);
         }
@@ -298,7 +297,6 @@ impl MapIndex {
     fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
         let sharing = self.covisibility().sharing(seq).into_owned();
         self.untrack(seq);
-        self.count_unlinked(seq, false);
         let Some(keyframe) = self.keyframes.remove(seq.index()) else { return };
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, keyframe.observes.iter(), seq);

@@ -63,7 +63,6 @@ impl MapIndex {
         for seq in keyframes.iter().copied() {
             let before = self.covisibility().sharing(seq).into_owned();
             self.untrack(seq);
-            self.count_unlinked(seq, false);
             let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { continue };
             let former = std::mem::replace(&mut keyframe.session, session);
             self.points.forget(former, keyframe.observes.iter(), seq);
@@ -71,7 +70,6 @@ impl MapIndex {
             let sharing = self.covisibility().counted(seq);
             self.lists.relist(seq, &before, &sharing);
             self.track(seq);
-            self.count_unlinked(seq, true);
             touched.stale.extend(self.anchors_seen_by(seq));
         }
     }

@@ -55,11 +55,13 @@ impl MapIndex {
     /// Adds a keyframe to its session's way; its neighbours by shared points are known already.
     pub(super) fn track(&mut self, keyframe: KeyframeSeq) {
         self.odometer_with(keyframe, Odometer::add);
+        self.count_unlinked(keyframe, true);
     }
 
     /// Takes a keyframe from its session's way, before it leaves the map.
     pub(super) fn untrack(&mut self, keyframe: KeyframeSeq) {
         self.odometer_with(keyframe, Odometer::remove);
+        self.count_unlinked(keyframe, false);
     }
 
     /// Measures the steps from and to a keyframe again, after its pose changed.
@@ -70,6 +72,7 @@ impl MapIndex {
     /// Measures every step again, after it changed which keyframes share enough points.
     pub(super) fn retrack_all(&mut self) {
         self.odometer = Odometer::default();
+        self.unlinked.clear();
         let keyframes: Vec<KeyframeSeq> = self.keyframes.values().map(|keyframe| keyframe.seq).collect();
         for keyframe in keyframes {
             self.track(keyframe);
