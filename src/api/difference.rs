@@ -21,7 +21,7 @@ pub struct DifferenceView {
     pub candidate_identifier: String,
     /// The reason why it did not count as a contradiction, or not enough.
     pub reason: DifferenceReasonName,
-    /// The measured value: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m for `outweighed`.
+    /// The measured value: metres or radians for `another_place`, weights in 1/m for `outweighed`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
     /// The value that it was compared with, in the same unit.

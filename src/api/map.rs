@@ -138,7 +138,7 @@ pub struct MapView {
     /// digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns that were given stand in `settings`.
     #[schema(value_type = BTreeMap<String, Vec<String>>)]
     pub numbering: BTreeMap<Box<str>, Vec<String>>,
-    /// The views that this map has in two places; while there is one, geometry alone closes no loop (`twin_guard`). Looked
+    /// The views that this map has in two places; around the two, different signs hang. Looked
     /// for where `without_anchors` is `geometry`.
     #[schema(max_items = 8)]
     pub twins: Vec<TwinsView>,

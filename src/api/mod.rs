@@ -42,6 +42,7 @@ pub mod map;
 pub mod model_verdict;
 pub mod names;
 pub mod observations;
+pub mod odds;
 pub mod poses;
 pub mod prior;
 pub mod problem;

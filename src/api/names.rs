@@ -22,7 +22,7 @@ use crate::domain::location::{Assumption, LocationVerdict, PoseSource};
 use crate::domain::loop_warning::LoopWarningCode;
 use crate::domain::reason::ReasonCode;
 use crate::domain::request::Detail;
-use crate::domain::verdict::{CandidateDecision, Decision, GeometryStatus, Verify};
+use crate::domain::verdict::{CandidateDecision, Decision, EvidenceKind, GeometryStatus, Verify};
 use crate::named::Named;
 use crate::semantics::TextKind;
 
@@ -73,6 +73,7 @@ names! {
     LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
     PoseSourceName = PoseSource as "PoseSource";
     TextKindName = TextKind as "TextKind";
+    EvidenceKindName = EvidenceKind as "EvidenceKind";
     VerdictName = Decision as "Verdict";
     VerifyName = Verify as "Verify";
 }

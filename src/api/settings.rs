@@ -18,7 +18,7 @@ use crate::semantics::Numbering;
 #[serde(transparent)]
 pub struct MapSettings(pub Map<String, Value>);
 
-/// The name under which a request chooses a method; an answer shows the settings that it stands for.
+/// The setting that sets others with it.
 const METHOD: &str = "method";
 
 /// Settings to be set, checked one by one.
@@ -27,9 +27,9 @@ pub struct ChosenSettings(pub Vec<(String, SettingValue)>);
 
 impl Decode for ChosenSettings {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).chain([METHOD]).collect();
+        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).collect();
         let object = node.object(&names)?;
-        let method = object.optional(METHOD, |node| node.choice(&Method::NAMES, Method::from_name));
+        let method = object.optional(METHOD, |node| node.choice(Method::NAMES, Method::from_name));
         let read: Vec<_> =
             Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
         let named: Option<Vec<_>> = read.into_iter().collect();
@@ -105,14 +105,6 @@ impl PartialSchema for MapSettings {
                 "Every threshold of the method; the defaults are the paper's, where it has one.",
             ))
             .additional_properties(Some(AdditionalProperties::FreeForm(false)));
-        let method = ObjectBuilder::new()
-            .schema_type(SchemaType::Type(Type::String))
-            .enum_values(Some(Method::NAMES))
-            .write_only(true)
-            .description(Some(
-                "In a request: sets every setting that tells the paper's method, to the letter, from ours; a setting named beside it wins. An answer shows the settings",
-            ));
-        let object = object.property(METHOD, method);
         Settings::TABLE.iter().fold(object, |object, row| object.property(row.name, row_schema(row))).into()
     }
 }

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::difference::DifferenceView;
 use super::geometry::GeometryView;
 use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
+use super::odds::EvidenceView;
 use super::space::rounded;
 use crate::domain::channel::ProposedBy;
 use crate::domain::ids::KeyframeId;
@@ -27,6 +28,13 @@ pub struct LoopAnswer {
     pub map_version: u64,
     /// The answer.
     pub verdict: VerdictName,
+    /// One sentence for a person: why.
+    #[serde(default)]
+    #[schema(required)]
+    pub why: String,
+    /// The confidence in the best place, 0 to 1; left out under `"method": "paper"`, and where no candidate was weighed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
     /// The keyframe to close the loop with; null unless the verdict is `loop`.
     #[schema(required)]
     pub best: Option<String>,
@@ -34,7 +42,7 @@ pub struct LoopAnswer {
     pub loops: Vec<String>,
     /// Whether a stand-in judged because a model was away.
     pub degraded: bool,
-    /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`). Left
+    /// Whether the map has shown one view in two places, around which different signs hang (see the map's `twins`). Left
     /// out where it has not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_twins: bool,
@@ -84,6 +92,12 @@ pub struct CandidateView {
     pub anchors: Option<AnchorFigures>,
     /// Geometry.
     pub geometry: GeometryView,
+    /// The confidence that the query was taken there, 0 to 1; left out under `"method": "paper"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// The terms of the sum of evidence; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evidence: Vec<EvidenceView>,
     /// The check that stopped it; left out for a loop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
@@ -195,6 +209,8 @@ impl LoopAnswer {
             keyframe: keyframe.map(ToString::to_string),
             map_version: verdict.map_version,
             verdict: verdict.decision.into(),
+            why: verdict.why.clone(),
+            confidence: verdict.confidence.map(rounded),
             best: verdict.best.as_ref().map(ToString::to_string),
             loops: verdict.loops.iter().map(ToString::to_string).collect(),
             degraded: verdict.degraded,
@@ -236,6 +252,8 @@ impl CandidateView {
             bow: (!proposed.is_some_and(ProposedBy::is_global_alone)).then(|| candidate.bow.into()),
             anchors: candidate.anchors.as_ref().map(|anchors| AnchorFigures::of(anchors, detail)),
             geometry: (&candidate.geometry).into(),
+            confidence: candidate.odds.as_ref().map(|odds| rounded(odds.confidence)),
+            evidence: candidate.odds.iter().flat_map(|odds| &odds.terms).map(EvidenceView::from).collect(),
             reason: candidate.reason.as_ref().map(ReasonView::from),
         }
     }

@@ -53,9 +53,7 @@ impl Method {
             Self::Ours | Self::OursMonocular => json!({}),
             Self::Paper => json!({"method": "paper"}),
             Self::BagOfWords => {
-                json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false,
-                    "odometry_max_drift_share": 0, "geometry_models": "sim3", "geometry_acceptance": "count", "rival_min_ratio": 0, "twin_guard": false, "geometry_resection": false,
-                    "near_miss_neighbours": false, "neighbours_vouch": false})
+                json!({"method": "paper", "without_anchors": "geometry", "candidates_max": 3})
             }
         };
         MapSettings(settings.as_object().cloned().unwrap_or_default())

@@ -39,9 +39,6 @@ const fn row(title: &'static str) -> DifferenceWords {
 named! {
     /// The reason why a differing identifier did not count as a contradiction, or not enough.
     DifferenceReason: DifferenceWords {
-        /// Geometry found the place, and an identifier may be misread: it was not read alike twice, and only one character
-        /// differs.
-        NotSure = "not_sure", row("it may be misread");
         /// The two do not stand at the same relative place.
         AnotherPlace = "another_place", row("they stand at different places");
         /// One of the two also hangs elsewhere in the other map.

@@ -1,29 +1,9 @@
 //! Methods: settings that belong together, under one name.
 
+pub use super::settings::Method;
 use super::settings::{SettingValue, Settings};
 
-/// The settings that make a map follow a method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Revisit's: the defaults.
-    Revisit,
-    /// The paper's, to the letter: every switch of ours off.
-    Paper,
-}
-
 impl Method {
-    /// The names in the API document.
-    pub const NAMES: [&'static str; 2] = ["revisit", "paper"];
-
-    /// Returns the method of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "revisit" => Some(Self::Revisit),
-            "paper" => Some(Self::Paper),
-            _ => None,
-        }
-    }
-
     /// Returns the settings that tell the methods apart, with their values in this one.
     pub fn settings(self) -> impl Iterator<Item = (&'static str, SettingValue)> {
         let defaults = Settings::default();

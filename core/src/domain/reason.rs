@@ -5,7 +5,7 @@
 //! `{measured}`, `{limit}` and `{detail}` stand for the reason's own fields.
 
 use self::ReasonCheck::{Anchors, Geometry, Query, Words};
-use self::ReasonClass::{Accepts, Depends, Rejects, Undecided, Waits};
+use self::ReasonClass::{Depends, Rejects, Undecided, Waits};
 use crate::named::{Named, named};
 
 /// The check that decided, with what it measured and what it asked for.
@@ -35,15 +35,13 @@ pub struct ReasonWords {
 named! {
     /// The effect of a reason on the verdict that gives it.
     ReasonClass {
-        /// The candidate is a loop.
-        Accepts = "accepts",
         /// The candidate, or the whole query, is not a loop.
         Rejects = "rejects",
         /// The answer stays open.
         Undecided = "undecided",
         /// The answer stays open, and a later query may settle it.
         Waits = "waits",
-        /// Rejected or left open, by a setting or by the geometric model.
+        /// Rejected or left open, by the odds, by a setting or by the geometric model.
         Depends = "depends",
     }
 }
@@ -83,9 +81,6 @@ named! {
         BowBelowReference = "bow_below_reference", row("looks differ", Rejects, Words);
         /// There are no described anchors to compare. {detail}
         NoAnchors = "no_anchors", row("nothing to compare", Depends, Anchors);
-        /// It is a loop: the anchors near it leave it open, but its neighbours return here, and geometry verifies the view
-        /// with {measured} inliers. {detail}
-        NeighboursVouch = "neighbours_vouch", row("its neighbours return here", Accepts, Geometry);
         /// Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while. {detail}
         LlmPending = "llm_pending", row("descriptions pending", Waits, Anchors);
         /// The language model is away, and its descriptions could turn the answer. Ask again in a while. {detail}
@@ -95,37 +90,27 @@ named! {
         NotDescribed = "not_described", row("signs not described", Undecided, Anchors);
         /// The anchors around the two do not agree enough: S of Eq. (2) is {measured} and must exceed {limit}.
         ScoreBelowThreshold = "score_below_threshold", row("signs differ", Rejects, Anchors);
-        /// Sure identifiers at the same relative place exclude each other. The contradicting signs weigh {measured}, the
-        /// agreeing ones {limit}. {detail}
-        Contradiction = "contradiction", row("signs contradict", Rejects, Anchors);
+        /// Names around the two exclude each other. The confidence is {measured}, and {limit} is needed. {detail}
+        Contradiction = "contradiction", row("signs contradict", Depends, Anchors);
         /// Every sign that agrees hangs in several places: it could be any of them. {detail}
-        NotDistinctive = "not_distinctive", row("signs hang everywhere", Undecided, Anchors);
-        /// Only texts without an identifier agree, which may hang in many places: nothing else says that it is this one.
-        /// {detail}
-        NoWitness = "no_witness", row("signs alone are not enough", Undecided, Anchors);
+        NotDistinctive = "not_distinctive", row("signs hang everywhere", Depends, Anchors);
         /// Every sign that agrees was seen in this same passage: it was tracked, and shows no return.
         TrackedOnly = "tracked_only", row("the same passage", Undecided, Anchors);
         /// Geometry had to verify, and it could not run. {detail}
         NoFeatures = "no_features", row("no features", Undecided, Geometry);
         /// Too few features fit one transformation: {measured}, and {limit} are needed.
         TooFewInliers = "too_few_inliers", row("geometry differs", Depends, Geometry);
-        /// Under the verified transformation the matched anchors lie apart: S is {measured} and must exceed {limit}.
-        AnchorsDisagreeWithTransform = "anchors_disagree_with_transform", row("signs misplaced", Rejects, Anchors);
-        /// Signs that hang once would hang in two places if this were a loop. They weigh {measured}, the agreeing ones
-        /// {limit}.
-        AnchorsDisplaced = "anchors_displaced", row("signs in two places", Rejects, Anchors);
+        /// A sign that hangs once would hang in two places if this were a loop. {detail}
+        AnchorsDisplaced = "anchors_displaced", row("signs in two places", Depends, Anchors);
         /// The robot knows from its own tracking that it is somewhere else. {detail}
-        OdometryDisagreesWithTransform = "odometry_disagrees_with_transform", row("odometry differs", Rejects, Geometry);
-        /// Geometry alone speaks for it, and nearly as much for another place: {measured} inliers, and {limit} are needed.
-        AmbiguousPlaces = "ambiguous_places", row("looks like two places", Undecided, Geometry);
-        /// Geometry alone speaks for it, with {measured} inliers, and this map has shown one view in two places: that
-        /// proves nothing here.
-        TwinsKnown = "twins_known", row("this view exists twice", Undecided, Geometry);
+        OdometryDisagreesWithTransform = "odometry_disagrees_with_transform", row("odometry differs", Depends, Geometry);
+        /// Another place of the map is about as likely. {detail}
+        AmbiguousPlaces = "ambiguous_places", row("looks like two places", Depends, Query);
         /// Where am I: several places fit, and the confidence in the best one is {measured}; {limit} is needed. The signs in
         /// `look_for` would tell them apart.
         PlacesAlike = "places_alike", row("several places fit", Undecided, Query);
-        /// Where am I: the evidence for the best place gives a confidence of {measured}, and {limit} is needed.
-        TooLittleEvidence = "too_little_evidence", row("too little evidence", Undecided, Query);
+        /// The evidence gives a confidence of {measured}, and {limit} is needed. {detail}
+        TooLittleEvidence = "too_little_evidence", row("too little evidence", Depends, Query);
     }
 }
 

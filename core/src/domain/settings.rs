@@ -12,6 +12,16 @@ pub use super::setting::{Setting, SettingError, SettingKind, SettingSource, Sett
 use crate::named::named;
 
 named! {
+    /// The method by which a map decides.
+    Method default Revisit {
+        /// Revisit's: a loop is a bet with known odds.
+        Revisit = "revisit",
+        /// The paper's, to the letter.
+        Paper = "paper",
+    }
+}
+
+named! {
     /// The decision on a candidate when either local anchor map is empty: §V-B leaves 0/0 open.
     WithoutAnchors default Undecided {
         /// The anchors cannot tell.
@@ -119,6 +129,12 @@ macro_rules! settings {
 }
 
 settings! {
+    method: Method = Choice { Method::Revisit; paper: Method::Paper }, Ours,
+        "decides on loops: revisit by the odds of all that is known (M64), paper by the paper's letter. To set it sets every setting that has a value of its own under the paper; a setting named beside it wins";
+    loop_min_confidence: f64 = Number { 0.99, 0.5, 0.999_999, "1" }, Ours,
+        "a loop is reported from this confidence on";
+    building_repeats: bool = Switch { true; paper: false }, Ours,
+        "a place may have a copy elsewhere that nobody has mapped, which shows the same looks, pictures and notices: only names and codes tell the two apart. Off, nothing repeats, and looks may close a loop";
     association_min_point_share: f64 = Number { 0.2, 0.0, 1.0, "1" }, Paper("§IV-C.1"),
         "sigma, the least share of a detection's map points that an anchor's box must cover";
     covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000, "1" }, OrbSlam,
@@ -149,40 +165,18 @@ settings! {
         "two local anchor maps match when S of Eq. (2) is greater";
     anchor_map_min_distance_m: f64 = Number { 0.1, 1e-6, 1000.0, "m" }, Paper("§V-B"),
         "bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres";
-    one_to_one: bool = Switch { true; paper: false }, Ours,
-        "an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0 <= S <= 1; off is the paper's Eq. (2)";
-    distinctive_weights: bool = Switch { true; paper: false }, Ours,
-        "an anchor whose description stands in p places weighs (1/d)/p";
     distinctive_place_radius_m: f64 = Number { 3.0, 0.0, 1e6, "m" }, Ours,
         "anchors farther apart than this stand in different places, in metres";
-    contradiction_veto: bool = Switch { true; paper: false }, Ours,
-        "two different, sure identifiers of one class at the same relative place speak against the loop";
-    aligned_anchors: bool = Switch { true; paper: false }, Ours,
-        "once Sim3 has given a transform, matched anchors must agree with it";
-    undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
-        "a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
     reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0, "1"; paper: 0.0 }, Ours,
         "a text of fewer than three specific words that a detection of less confidence read tells nothing until another keyframe of the map reads it alike; 0 = off";
     identifier_patterns: Vec<String> = Patterns { Vec::new(); paper: Vec::new() }, Ours,
         "regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
     learned_identifiers: bool = Switch { true; paper: false }, Ours,
         "learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
-    company: bool = Switch { true; paper: false }, Ours,
-        "a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in two places";
     odometry_max_drift_share: f64 = Number { 0.05, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
         "along an unbroken chain of a session's keyframes odometry is off by at most this share of the way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 = off";
     odometry_slack_m: f64 = Number { 1.0, 0.0, 1e6, "m" }, Ours,
         "how far a transformation may be off odometry on any way, in metres";
-    tracked_loops_need_geometry: bool = Switch { true; paper: false }, Ours,
-        "where all that agrees was tracked through this same passage, only verified geometry makes a loop";
-    single_text_needs_witness: bool = Switch { true; paper: false }, Ours,
-        "a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
-    near_miss_neighbours: bool = Switch { true; paper: false }, Ours,
-        "where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as candidates in its stead";
-    returns_close_once: bool = Switch { true; paper: false }, Ours,
-        "a loop that repeats a confirmed one is `already_closed`: all that matches was made one by it";
-    neighbours_vouch: bool = Switch { true; paper: false }, Ours,
-        "where there are no anchors, or all that agrees hangs in several places, it is a loop if geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop joins them";
     without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided }, Paper("§V-B"),
         "the verdict when either local anchor map is empty, which the paper leaves open (0/0): undecided, reject or geometry";
     association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0, "m" }, Ours,
@@ -195,16 +189,6 @@ settings! {
         "the fewest inliers of a verified transformation, where geometry_acceptance is count";
     geometry_landmark_sigma_px: f64 = Number { 3.35, 0.0, 100.0, "px"; paper: 0.0 }, Ours,
         "what the error of a map point's own place adds to that of a keypoint, standard deviation in pixels at any octave; 0 = the letter: keypoints alone scatter";
-    geometry_resection: bool = Switch { true; paper: false }, Ours,
-        "where a keyframe's points are farther off in its own image than half of them should be, its camera's pose among them is taken from the image (motion-only bundle adjustment)";
-    geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000, "1" }, Ours,
-        "the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
-    rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
-        "what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
-    global_channel: bool = Switch { true; paper: false }, Ours,
-        "keyframes whose global descriptors are most like the query's are candidates, too, whatever their words and anchors; every check after that is the same. Without descriptors it changes nothing";
-    twin_guard: bool = Switch { true; paper: false }, Ours,
-        "once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
     signs_may_change: bool = Switch { true; paper: false }, Ours,
         "a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
     keep_history: bool = Switch { true }, Storage,
@@ -223,6 +207,13 @@ settings! {
         "auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
     geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance; paper: GeometryAcceptance::Count }, Ours,
         "significance accepts inliers that matches placed at random would give less than once in a million candidates (log10 of the number of false alarms at most -6; Moisan and Stival 2004); count is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near descriptors and points on both sides";
+}
+
+impl Settings {
+    /// Whether the map decides by Revisit's method, and not by the paper's letter.
+    pub fn is_ours(&self) -> bool {
+        self.method == Method::Revisit
+    }
 }
 
 #[cfg(test)]
@@ -277,7 +268,7 @@ mod tests {
             SettingValue::Number(-1.0),
             Err(SettingError::Range { min: 1.0, max: 1000.0 }),
         );
-        check("one_to_one", SettingValue::Count(1), Err(SettingError::Type("true or false")));
+        check("building_repeats", SettingValue::Count(1), Err(SettingError::Type("true or false")));
         check("geometry_models", SettingValue::Choice("se3"), Err(SettingError::Choice(&["auto", "sim3"])));
         check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
         let pattern = |pattern: &str| SettingValue::Patterns(vec![pattern.to_owned()]);

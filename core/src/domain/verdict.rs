@@ -38,7 +38,6 @@ impl CandidateDecision {
     /// Whether a reason of this class may stand beside the decision.
     pub fn fits(self, class: ReasonClass) -> bool {
         match class {
-            ReasonClass::Accepts => self == Self::Loop,
             ReasonClass::Rejects => self == Self::Rejected,
             ReasonClass::Undecided | ReasonClass::Waits => self == Self::Undecided,
             ReasonClass::Depends => self != Self::Loop,
@@ -158,6 +157,62 @@ named! {
     }
 }
 
+named! {
+    /// The kind of a term of the sum of evidence for a place (M64).
+    EvidenceKind {
+        /// A sign with a name is read here and there, and hangs in one place.
+        Name = "name",
+        /// The same, of a name that hangs in several places: it tells none of them.
+        SharedName = "shared_name",
+        /// At one spot two names are read that exclude each other.
+        OtherName = "other_name",
+        /// Around the one and around the other names are read that the other has not, wherever they hang.
+        StrangeNames = "strange_names",
+        /// A name is read here and there, and would hang in two places.
+        DisplacedName = "displaced_name",
+        /// Pictures, notices and other texts agree. A copy of the place would show them, too.
+        Texts = "texts",
+        /// Geometry explains part of the view. A copy of the place would look the same.
+        View = "view",
+        /// Geometry finds no common view.
+        NoView = "no_view",
+        /// By the transformation the two cameras are farther apart than a place is wide.
+        Apart = "apart",
+        /// Odometry has the robot here, or elsewhere.
+        Odometry = "odometry",
+        /// Looks, pictures, notices and views together prove no more than that there is no copy of this place.
+        Copy = "copy",
+        /// Names tell it from far places, and not from the place next to it.
+        Neighbour = "neighbour",
+        /// Another place of the map is as likely.
+        Rival = "rival",
+        /// Crops that nobody has read yet may speak against it.
+        Unread = "unread",
+    }
+}
+
+/// One term of the sum of evidence for a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EvidenceTerm {
+    /// Its kind.
+    pub kind: EvidenceKind,
+    /// The signs that it rests on: the query's, and the candidate's.
+    pub pairs: Vec<(AnchorName, AnchorName)>,
+    /// The texts of the signs, or the number of cells or metres, for people.
+    pub about: String,
+    /// Its log-odds, natural: positive for the place.
+    pub log_odds: f64,
+}
+
+/// The odds of a place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Odds {
+    /// The terms of the sum.
+    pub terms: Vec<EvidenceTerm>,
+    /// The confidence that the query was taken there, 0 to 1.
+    pub confidence: f64,
+}
+
 /// One candidate with its evidence and the check that stopped it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
@@ -173,6 +228,8 @@ pub struct Candidate {
     pub anchors: Option<AnchorEvidence>,
     /// The last step.
     pub geometry: GeometryEvidence,
+    /// The odds of its place; none under the paper's method, or where an earlier check stopped it.
+    pub odds: Option<Odds>,
     /// The check that stopped it; none for a loop.
     pub reason: Option<Reason>,
 }
@@ -184,13 +241,17 @@ pub struct Verdict {
     pub map_version: u64,
     /// The answer.
     pub decision: Decision,
+    /// One sentence for a person: why.
+    pub why: String,
+    /// The confidence in the best place; none under the paper's method, or without a candidate that was weighed.
+    pub confidence: Option<f64>,
     /// The best loop, if any.
     pub best: Option<KeyframeId>,
     /// Every loop, best first.
     pub loops: Vec<KeyframeId>,
     /// Whether a stand-in judged because a model was away.
     pub degraded: bool,
-    /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it.
+    /// Whether the map has shown one view in two places, around which different signs hang.
     pub has_twins: bool,
     /// The number of keyframes left out because they are covisible with the query (check 1).
     pub excluded_covisible: usize,

@@ -8,11 +8,12 @@ mod constant;
 mod frames;
 mod geometry;
 mod locate;
+mod odds;
 mod plans;
 
 use super::anchors::{find_description_tasks, near_in_meaning, pairs};
-use super::extensions::{alignment, company, distinctiveness, sure_text, tracked_path, twins};
-use super::loops::{candidates, fusion};
+use super::extensions::{company, distinctiveness, tracked_path, twins};
+use super::loops::{candidates, decision, fusion};
 use super::verification::{resection, similarity};
 pub use constant::Constant;
 use constant::constant;
@@ -25,6 +26,7 @@ pub fn constants() -> impl Iterator<Item = &'static Constant> {
         ANCHORS,
         changed_signs::CHANGED_SIGNS,
         geometry::GEOMETRY,
+        odds::ODDS,
         FOUND,
         locate::LOCATE,
         plans::PLANS,
@@ -111,6 +113,12 @@ const ANCHORS: &[Constant] = &[
     ),
     // Candidates.
     constant(
+        "candidates.undecided_min_score_share",
+        decision::UNDECIDED_MIN_SCORE_SHARE,
+        "1",
+        "ours: a candidate without anchors whose words score below this share of the reference score does not make the answer undecided",
+    ),
+    constant(
         "candidates.revisits_per_anchor",
         candidates::MAX_REVISITS_PER_ANCHOR as f64,
         "1",
@@ -136,16 +144,10 @@ const ANCHORS: &[Constant] = &[
         "ours: counting of places ends here",
     ),
     constant(
-        "passage.sure_passages",
-        sure_text::SURE_PASSAGES as f64,
-        "1",
-        "ours: passages in which a text must be read alike to be sure",
-    ),
-    constant(
         "resection.points_min",
         resection::MIN_POINTS as f64,
         "points",
-        "ours: the fewest points of a keyframe that say where its camera stands (geometry_resection)",
+        "ours: the fewest points of a keyframe that say where its camera stands",
     ),
     constant(
         "resection.median_chi_square_max",
@@ -172,6 +174,12 @@ const ANCHORS: &[Constant] = &[
         "ours: rounds of refining a similarity and taking its inliers again, at most",
     ),
     constant(
+        "twins.alone_min_inliers",
+        twins::ALONE_MIN_INLIERS as f64,
+        "1",
+        "ours: inliers without map points from which two views are alike",
+    ),
+    constant(
         "twins.kept_max",
         twins::KEPT_MAX as f64,
         "pairs",
@@ -183,12 +191,6 @@ const ANCHORS: &[Constant] = &[
         company::NEIGHBOURS_MAX as f64,
         "1",
         "ours: neighbours of a text that are compared, the nearest first",
-    ),
-    constant(
-        "company.pairs_max",
-        company::PAIRS_MAX as f64,
-        "1",
-        "ours: matched pairs of a comparison whose company is looked at",
     ),
     constant(
         "company.carriers_max",
@@ -211,18 +213,6 @@ const FOUND: &[Constant] = &[
         tracked_path::TURN_PER_DRIFT_SHARE,
         "rad",
         "ours: what is added to it for each whole of odometry_max_drift_share: a heading that scatters moves the place by its share of the way over the root of three",
-    ),
-    constant(
-        "alignment.same_place_m",
-        alignment::SAME_PLACE_M,
-        "m",
-        "ours: under a transformation, anchors this near stand at one place",
-    ),
-    constant(
-        "alignment.turning_share",
-        alignment::TURNING_SHARE,
-        "1",
-        "ours: an anchor is displaced if it is off by more than this share of its distance",
     ),
 ];
 

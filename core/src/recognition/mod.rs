@@ -19,20 +19,17 @@
 //! | §V-B, the comparison of two local anchor maps | [`loops::comparison`] | [`loops::comparison::compare`] |
 //! | §V, the last step: similarity transformation | [`verification`] | [`verification::verify`] |
 //! | geometry on one pair of keyframes | [`loops::geometry_check`] | [`loops::geometry_check::check_geometry`] |
+//! | §V, the letter's decisions on a candidate | [`loops::letter`] | [`loops::letter::judge_anchors`] |
+//! | ours: the sum of evidence (M64) | [`odds`] | [`odds::bet::Bet::sum`] |
 //! | §V, the answer | [`loops::decision`] | [`loops::check_loop::verify_and_decide`] |
 //! | ours: distinctive weights | [`extensions::distinctiveness`] | [`extensions::distinctiveness::PlaceCounts`] |
-//! | ours: contradiction veto | [`extensions::contradiction`] | [`extensions::contradiction::contradict`] |
+//! | ours: other names at one place | [`extensions::contradiction`] | [`extensions::contradiction::contradict`] |
 //! | ours: why a differing identifier did not count | [`extensions::difference`] | [`extensions::difference::find_differing`] |
 //! | ours: why S is low | [`loops::low_score`] | [`loops::low_score::explain_low_score`] |
 //! | ours: whether two sightings may be one place (M6) | [`extensions::sighting`] | [`extensions::sighting::Sighting::may_be_at`] |
 //! | ours: what speaks against a loop that a client closes | [`extensions::loop_warning`] | [`extensions::loop_warning::loop_warning`] |
-//! | ours: anchors under the transformation | [`extensions::alignment`] | [`extensions::alignment::Compared::under`] |
-//! | ours: the sightings of one drive past an object | [`extensions::passage`], [`extensions::returning`], [`extensions::sure_text`] | [`extensions::returning::is_tracked_only`] |
-//! | ours: texts beside which different signs hang | [`extensions::company`] | [`extensions::company::Companies::weigh`] |
-//! | ours: which readings disagree with those around them | [`extensions::dispute`] | [`extensions::dispute::disputed`] |
-//! | ours: what a text without an identifier needs besides | [`extensions::witness`] | [`extensions::witness::lacks_witness`] |
-//! | ours: what returns where its neighbours do | [`extensions::vouching`] | [`extensions::vouching::widened`] |
-//! | ours: geometry proves a view, not a place (M19) | [`extensions::rivals`] | [`extensions::rivals::find_rivals`] |
+//! | ours: the sightings of one drive past an object | [`extensions::passage`], [`extensions::returning`] | [`extensions::returning::is_tracked`] |
+//! | ours: texts beside which different signs hang | [`extensions::company`] | [`extensions::company::Companies::differs`] |
 //! | ours: one view in two places (M16) | [`extensions::twins`] | [`extensions::twins::suspects`] |
 //! | ours: signs that change (M18) | [`extensions::changed_signs`] | [`extensions::changed_signs::passages_ended_by`] |
 //! | ours: sessions aligned to a plan (M55) | [`plans`], [`anchors::prior_anchors`] | [`plans::plan_alignment::plan_alignment`] |
@@ -53,5 +50,6 @@ pub mod frames;
 pub mod locate;
 pub mod loops;
 pub mod map;
+pub mod odds;
 pub mod plans;
 pub mod verification;

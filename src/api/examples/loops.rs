@@ -13,6 +13,8 @@ pub fn loop_answer() -> Value {
         "id": "q-2f6f6d0a4c1b",
         "map_version": 412,
         "verdict": "loop",
+        "why": "Both read 901; no other place in this map does.",
+        "confidence": 0.997_527_377,
         "best": "kf-3",
         "loops": ["kf-3"],
         "degraded": false,
@@ -40,7 +42,13 @@ pub fn loop_answer() -> Value {
                         "translation": {"x": 0.2, "y": 0.0, "z": -0.1},
                         "rotation": {"x": 0.0, "y": 0.087, "z": 0.0, "w": 0.9962}
                     }
-                }
+                },
+                "confidence": 0.997_527_377,
+                "evidence": [
+                    {"kind": "name", "about": "901", "query_anchors": ["a-7"], "candidate_anchors": ["a-2"], "log_odds": 5.3},
+                    {"kind": "view", "about": "74 cells", "log_odds": 10.267},
+                    {"kind": "copy", "about": "a copy of the place would show the same", "log_odds": -9.567}
+                ]
             },
             {
                 "keyframe": "kf-44",
@@ -55,14 +63,19 @@ pub fn loop_answer() -> Value {
                     }],
                     "differences": [{
                         "query_anchor": "a-8", "candidate_anchor": "a-12", "query_identifier": "104",
-                        "candidate_identifier": "107", "reason": "not_sure", "measured": 1.0, "limit": 2.0,
-                        "detail": "neither 104 nor 107 was read alike twice, and a single character is easily misread"
+                        "candidate_identifier": "107", "reason": "paired_otherwise",
+                        "detail": "104 or 107 contradicts another sign already, and each counts once"
                     }]
                 },
-                "geometry": {"status": "skipped", "reason": "an earlier check decided"},
+                "geometry": {"status": "skipped", "reason": "it could not turn the answer"},
+                "confidence": 0.004_496_273,
+                "evidence": [{
+                    "kind": "other_name", "about": "910 / 901", "query_anchors": ["a-7"], "candidate_anchors": ["a-11"],
+                    "log_odds": -5.4
+                }],
                 "reason": {
-                    "code": "contradiction", "measured": 1.0, "limit": 0.0,
-                    "detail": "1 pair of sure identifiers contradicts"
+                    "code": "contradiction", "measured": 0.004, "limit": 0.99,
+                    "detail": "reads 910 where 901 hung"
                 }
             }
         ]

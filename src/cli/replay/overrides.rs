@@ -97,19 +97,19 @@ mod tests {
 
     #[test]
     fn values_keep_their_type_and_the_other_settings_stay() {
-        let set = ["candidates_max=5", "one_to_one=false", "without_anchors=geometry"];
+        let set = ["candidates_max=5", "building_repeats=false", "without_anchors=geometry"];
         assert_eq!(
             applied(false, &set, json!({"metric": true, "settings": {"candidates_max": 20, "x": 1}})),
             json!({"metric": true, "settings": {
-                "candidates_max": 5, "x": 1, "one_to_one": false, "without_anchors": "geometry"}}),
+                "candidates_max": 5, "x": 1, "building_repeats": false, "without_anchors": "geometry"}}),
         );
     }
 
     #[test]
     fn the_paper_is_a_method_and_what_is_set_goes_beside_it() {
         assert_eq!(
-            applied(true, &["one_to_one=true"], json!({})),
-            json!({"settings": {"method": "paper", "one_to_one": true}}),
+            applied(true, &["building_repeats=true"], json!({})),
+            json!({"settings": {"method": "paper", "building_repeats": true}}),
         );
     }
 

@@ -1,6 +1,7 @@
 //! Explain: a readable line for each answer.
 
 use super::score::Outcome;
+use crate::api::odds::EvidenceView;
 use crate::api::verdict::CandidateView;
 use crate::domain::verdict::Decision;
 use crate::hotel::route::Place;
@@ -31,7 +32,12 @@ impl Narrator<'_> {
         let Some(candidate) = asked.answer.leading() else {
             return format!("{keyframe}: nothing like it in the map");
         };
-        let looks = format!("{keyframe} looks like {} ({:.2})", candidate.keyframe, candidate.bow_score());
+        let looks = format!(
+            "{keyframe} looks like {} ({:.2}){}",
+            candidate.keyframe,
+            candidate.bow_score(),
+            evidence(candidate)
+        );
         match asked.answer.verdict.0 {
             Decision::Loop => format!("{looks}{}: a loop", agreement(candidate)),
             Decision::NoLoop => format!("{looks} but {}: rejected", why(candidate)),
@@ -58,6 +64,14 @@ impl Narrator<'_> {
 /// Returns the id of a keyframe on the server.
 pub fn keyframe_id((robot, number): (usize, usize)) -> String {
     format!("{}-{number}", crate::hotel::run::session(robot))
+}
+
+/// Returns the terms of the sum of evidence.
+fn evidence(candidate: &CandidateView) -> String {
+    let term =
+        |term: &EvidenceView| format!("{} {}: {:+.1}", term.kind.0.as_str(), term.about, term.log_odds);
+    let terms: Vec<String> = candidate.evidence.iter().map(term).collect();
+    if terms.is_empty() { String::new() } else { format!(" [{}]", terms.join("; ")) }
 }
 
 fn agreement(candidate: &CandidateView) -> String {

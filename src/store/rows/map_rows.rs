@@ -9,6 +9,7 @@ use super::statement::run;
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::key::KeySeq;
 use crate::domain::map::{Learned, MapFigures, MapProperties, NamedTwins};
+use crate::domain::method::Method;
 use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
 use crate::domain::settings::{SettingKind, SettingValue, Settings};
@@ -267,12 +268,39 @@ async fn classes(db: &mut Connection, key: MapKey, list: &str) -> Result<Vec<Str
     Ok(sql::query_scalar(select).bind(key).bind(list).fetch_all(db).await?)
 }
 
+/// Settings of earlier versions, which decide nothing any more: rows of them are passed over.
+const FORMER_SETTINGS: [&str; 16] = [
+    "aligned_anchors",
+    "company",
+    "contradiction_veto",
+    "distinctive_weights",
+    "geometry_alone_min_inliers",
+    "geometry_resection",
+    "global_channel",
+    "near_miss_neighbours",
+    "neighbours_vouch",
+    "one_to_one",
+    "returns_close_once",
+    "rival_min_ratio",
+    "single_text_needs_witness",
+    "tracked_loops_need_geometry",
+    "twin_guard",
+    "undecided_min_score_ratio",
+];
+
 /// Returns the settings in force where these were chosen.
 pub(in crate::store) fn settings(
     chosen: impl IntoIterator<Item = (String, String)>,
 ) -> Result<Settings, StoreError> {
     let mut settings = Settings::default();
     for (name, text) in chosen {
+        // Before methods were stored, this switch told the paper's.
+        if (name.as_str(), text.as_str()) == ("one_to_one", "false") {
+            settings.method = Method::Paper;
+        }
+        if FORMER_SETTINGS.contains(&name.as_str()) {
+            continue;
+        }
         let value =
             setting(&name, &text).ok_or_else(|| StoreError::corrupt(format!("setting {name} = {text}")))?;
         settings

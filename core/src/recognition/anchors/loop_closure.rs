@@ -4,6 +4,7 @@ use crate::domain::change::{Change, Loop, Merge, MergeCause};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId};
 use crate::domain::loop_warning::LoopWarning;
+use crate::domain::method::Method;
 use crate::domain::report::MergeReport;
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
@@ -76,7 +77,7 @@ fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq
     let Some((query, candidate)) = centres else { return Vec::new() };
     let query = local_anchor_map(index, &query, &mut places);
     let candidate = local_anchor_map(index, &candidate, &mut places);
-    let settings = Settings { one_to_one: true, ..index.properties().settings.clone() };
+    let settings = Settings { method: Method::Revisit, ..index.properties().settings.clone() };
     let comparison = compare(&query, &candidate, index, &settings);
     let pairs = comparison.matches.iter().filter_map(|pair| match (pair.query.name, pair.candidate.name) {
         (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => Some((a, b)),

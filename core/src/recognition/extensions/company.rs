@@ -11,10 +11,10 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use super::distinctiveness::PlaceCounts;
+use crate::domain::anchor::AnchorState;
 use crate::domain::ids::AnchorSeq;
-use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor_map};
 use crate::recognition::loops::centre::Centre;
-use crate::recognition::loops::comparison::Comparison;
 use crate::recognition::loops::equation_1::similar;
 use crate::recognition::map::index::MapIndex;
 use crate::semantics;
@@ -23,8 +23,6 @@ use crate::semantics;
 pub(in crate::recognition) const SAME_OFFSET_M: f64 = 1.0;
 /// Neighbours of a text that are compared, the nearest first.
 pub(in crate::recognition) const NEIGHBOURS_MAX: usize = 16;
-/// Pairs of one comparison whose company is looked at, so that a hall full of plates costs no more than a corridor.
-pub(in crate::recognition) const PAIRS_MAX: usize = 16;
 /// Anchors of a text whose company is looked at, the oldest first.
 pub(in crate::recognition) const CARRIERS_MAX: usize = 8;
 /// A text right above or below the camera has no heading, in metres.
@@ -45,28 +43,13 @@ pub struct Companies {
 }
 
 impl Companies {
-    /// Counts two places for each pair of a comparison whose text hangs in different company, and none more where one text
-    /// in one place is found: that one is enough.
-    pub fn weigh(
-        &mut self,
-        index: &MapIndex,
-        comparison: &mut Comparison<'_>,
-        maps: [&LocalAnchorMap; 2],
-        places: &mut PlaceCounts,
-    ) {
-        for pair in comparison.matches.iter_mut().filter(|pair| pair.places == 1).take(PAIRS_MAX) {
-            if !self.differs(index, [pair.query, pair.candidate], maps, places) {
-                return;
-            }
-            pair.places = 2;
-        }
-    }
-
-    fn differs(
+    /// Whether different signs hang beside two signs that are called alike, or beside others of that name. `maps` are the
+    /// signs around the two.
+    pub fn differs(
         &mut self,
         index: &MapIndex,
         pair: [&LocalAnchor; 2],
-        maps: [&LocalAnchorMap; 2],
+        maps: [&[LocalAnchor]; 2],
         places: &mut PlaceCounts,
     ) -> bool {
         let [of_query, of_candidate] = [company(pair[0], maps[0]), company(pair[1], maps[1])];
@@ -99,7 +82,7 @@ impl Companies {
             let oldest = index.keyframes_of(index.objects().get(root)?).first().copied()?;
             let map = local_anchor_map(index, &Centre::stored(index, oldest)?, places);
             let text = map.anchors.iter().find(|anchor| anchor.name == LocalName::MergedAnchor(root))?;
-            Some(company(text, &map))
+            Some(company(text, &map.anchors))
         };
         let found = Rc::new(found().unwrap_or_default());
         self.of_stored.insert(root, found.clone());
@@ -108,20 +91,21 @@ impl Companies {
 }
 
 /// Returns the numbered signs around a text, nearest first; none where its own place is a guess.
-fn company(text: &LocalAnchor, map: &LocalAnchorMap) -> Vec<Neighbour> {
+fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
     let at = in_camera(text);
     if text.range_assumed || libm::hypot(at.x, at.z) < LEAST_HORIZONTAL_M {
         return Vec::new();
     }
     let (sin, cos) = libm::sincos(libm::atan2(at.x, at.z));
     let is_numbered = |anchor: &&LocalAnchor| {
-        anchor.name != text.name
+        anchor.state == AnchorState::Valid
+            && anchor.name != text.name
             && !anchor.range_assumed
             && anchor.text.as_ref().is_some_and(|text| text.has_name())
     };
     let from_text = |sign: &LocalAnchor| in_camera(sign) - at;
     let mut signs: Vec<(f64, &LocalAnchor)> =
-        map.valid().filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
+        around.iter().filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
     signs.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| x.name.cmp(&y.name)));
     let nearest = signs.into_iter().take(NEIGHBOURS_MAX).map(|(_, sign)| {
         let offset = from_text(sign);

@@ -1,9 +1,7 @@
 //! Contradictions: different, sure identifiers at the same relative place (M7).
 //!
 //! Room 910's plate where room 901's hung is evidence against the loop, which the paper does not
-//! use. Taking *any* contradiction as a veto costs half the recall once plates are misread, so
-//! identifiers that are not sure count only where geometry cannot run, and contradictions only if
-//! together they outweigh what agrees.
+//! use. An answer lists such pairs; the sum of evidence weighs them ([`crate::recognition::odds`]).
 
 use crate::recognition::loops::anchor_map::LocalAnchor;
 use crate::recognition::loops::assignment::{assign, edges};

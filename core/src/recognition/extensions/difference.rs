@@ -5,13 +5,12 @@
 use std::collections::BTreeSet;
 
 use super::contradiction::Contradiction;
-use super::sure_text::{SURE_PASSAGES, settle};
 use crate::domain::difference::{DifferenceEvidence, DifferenceReason};
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use crate::recognition::loops::comparison::Comparison;
 use crate::recognition::loops::equation_1::{same_relative_place, similar};
-use crate::recognition::map::index::{Certainty, MapIndex, TextIndex};
+use crate::recognition::map::index::TextIndex;
 use crate::semantics;
 
 /// Anchors of each map that an explanation looks at, so that a hall full of plates costs no more than a corridor.
@@ -56,8 +55,6 @@ pub struct Ruling<'a> {
     pub contradictions: &'a [Contradiction<'a>],
     /// The weight of what agrees with this place.
     pub agreement: f64,
-    /// Whether only sure identifiers count: geometry has found the place.
-    pub must_be_sure: bool,
 }
 
 impl Ruling<'_> {
@@ -178,12 +175,6 @@ impl Differing {
         &self.candidate
     }
 
-    /// Settles how surely the two are called, for what comes after without the map.
-    pub fn settle(&mut self, index: &MapIndex) {
-        settle(index, &mut self.query);
-        settle(index, &mut self.candidate);
-    }
-
     fn weight(&self) -> f64 {
         self.query.weight + self.candidate.weight
     }
@@ -196,7 +187,7 @@ impl Differing {
         settings: &Settings,
     ) -> Option<DifferenceEvidence> {
         use DifferenceReason::{
-            AnotherPlace, KnownElsewhere, NoConflict, NotSure, Outweighed, PairedOtherwise, VetoOff,
+            AnotherPlace, KnownElsewhere, NoConflict, Outweighed, PairedOtherwise, VetoOff,
         };
         let mut counted = ruling.contradictions.iter();
         let counts = counted
@@ -206,9 +197,7 @@ impl Differing {
             return None;
         }
         let (here, there) = (&self.query_identifier, &self.candidate_identifier);
-        let is_sure = |anchor: &LocalAnchor| anchor.certainty == Certainty::Sure;
-        let is_unsure = ruling.must_be_sure && !(is_sure(&self.query) && is_sure(&self.candidate));
-        let (reason, figures, detail) = if !settings.contradiction_veto {
+        let (reason, figures, detail) = if !settings.is_ours() {
             (VetoOff, None, String::from("the map's settings leave contradictions out"))
         } else if counts {
             let figures = Some((contradicting, ruling.agreement));
@@ -221,8 +210,6 @@ impl Differing {
             let detail =
                 format!("{known} also hangs elsewhere in the other map: another view, not another place");
             (KnownElsewhere, None, detail)
-        } else if is_unsure {
-            (NotSure, Some((1.0, SURE_PASSAGES as f64)), self.uncertainty())
         } else {
             let detail = format!("{here} or {there} contradicts another sign already, and each counts once");
             (PairedOtherwise, None, detail)
@@ -242,16 +229,5 @@ impl Differing {
     fn judgement(&self) -> String {
         let texts = self.query.text.as_deref().zip(self.candidate.text.as_deref());
         texts.map_or_else(String::new, |(a, b)| semantics::similarity(a, b).reason)
-    }
-
-    fn uncertainty(&self) -> String {
-        let (here, there) = (&self.query_identifier, &self.candidate_identifier);
-        let is_sure = |anchor: &LocalAnchor| anchor.certainty == Certainty::Sure;
-        let unsure = match (is_sure(&self.query), is_sure(&self.candidate)) {
-            (false, false) => format!("neither {here} nor {there} was read alike in two passages"),
-            (false, true) => format!("{here} was not read alike in two passages"),
-            (true, _) => format!("{there} was not read alike in two passages"),
-        };
-        format!("{unsure}: one bad angle misreads the same way twice, and geometry has found the place")
     }
 }

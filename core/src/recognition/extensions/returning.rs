@@ -20,16 +20,6 @@ pub enum Returning {
     InView,
 }
 
-/// Whether all that agrees are objects of which the two keyframes are in one passage.
-pub fn is_tracked_only(
-    index: &MapIndex,
-    comparison: &Comparison<'_>,
-    query: KeyframeSeq,
-    candidate: KeyframeSeq,
-) -> bool {
-    comparison.matches.iter().all(|pair| is_tracked(index, pair, query, candidate))
-}
-
 /// Whether a matched pair is one object of which the two keyframes are in one passage, or that was seen in one alone.
 pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, candidate: KeyframeSeq) -> bool {
     match (&pair.query.name, &pair.candidate.name) {
@@ -50,16 +40,23 @@ pub fn returning_identifier(
 ) -> Returning {
     let names = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.has_name());
     let tracked = |pair: &Matched<'_>| nearest.is_some_and(|query| is_tracked(index, pair, query, candidate));
-    let returns = |pair: &&Matched<'_>| {
-        names(pair.query) && names(pair.candidate) && !pair.is_disputed && !tracked(pair)
-    };
+    let returns = |pair: &&Matched<'_>| names(pair.query) && names(pair.candidate) && !tracked(pair);
     let seen_by_candidate = index.objects_seen_by(candidate);
+    let known = |pair: &Matched<'_>| {
+        if is_in_view(pair, &query.seen, &seen_by_candidate) { Returning::InView } else { Returning::Around }
+    };
+    comparison.matches.iter().filter(returns).map(known).max().unwrap_or(Returning::No)
+}
+
+/// Whether two keyframes see a matched pair themselves; `by_query` and `by_candidate` are the objects that they see.
+pub fn is_in_view(
+    pair: &Matched<'_>,
+    by_query: &BTreeSet<AnchorSeq>,
+    by_candidate: &BTreeSet<AnchorSeq>,
+) -> bool {
     let sees = |anchor: &LocalAnchor, seen: &BTreeSet<AnchorSeq>| match anchor.name {
         LocalName::MergedAnchor(root) => seen.contains(&root),
         LocalName::Inline(_) => true,
     };
-    let in_view =
-        |pair: &Matched<'_>| sees(pair.query, &query.seen) && sees(pair.candidate, &seen_by_candidate);
-    let known = |pair| if in_view(pair) { Returning::InView } else { Returning::Around };
-    comparison.matches.iter().filter(returns).map(known).max().unwrap_or(Returning::No)
+    sees(pair.query, by_query) && sees(pair.candidate, by_candidate)
 }

@@ -6,28 +6,32 @@
 
 use std::ops::Range;
 
+use super::contradiction::Contradiction;
 use super::distinctiveness::PlaceCounts;
-use super::rivals::known_contradiction;
 use crate::domain::change::{Change, Twins};
 use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::WithoutAnchors;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
-use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
 use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::centre::Centre;
+use crate::recognition::loops::comparison::compare;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
-use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::loops::screening::{PreVerified, Screening, Stage};
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::{Certainty, MapIndex};
 use crate::recognition::verification::Status;
 
 /// Pairs of a map that are kept: one is enough, and the next stands in where its signs change.
 pub const KEPT_MAX: usize = 8;
+
+/// Inliers without map points from which two views are alike: a homography, a rotation or an essential matrix.
+pub(in crate::recognition) const ALONE_MIN_INLIERS: u32 = 100;
 
 /// The seed of the verification, whatever the seeds of queries.
 const SEED: u64 = 0;
@@ -41,10 +45,10 @@ pub struct Suspects {
     signs: Vec<(AnchorSeq, AnchorSeq)>,
 }
 
-/// Whether geometry alone may close loops in a map, and not enough twins are known already.
+/// Whether views may close loops in a map, and not enough twins are known already.
 pub fn are_looked_for(index: &MapIndex) -> bool {
     let settings = &index.properties().settings;
-    let matters = settings.twin_guard && settings.without_anchors == WithoutAnchors::Geometry;
+    let matters = settings.is_ours() && settings.without_anchors == WithoutAnchors::Geometry;
     matters && index.twins().count() < KEPT_MAX
 }
 
@@ -76,7 +80,7 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
         let mut pre_verified =
             PreVerified::stopped(candidate, unchecked, CandidateDecision::Rejected, reason);
         // By the numbers that would have let geometry alone close the loop.
-        (pre_verified.stage, pre_verified.snapshot) = (CandidateStage::AskGeometry, Some(snapshot));
+        (pre_verified.stage, pre_verified.snapshot) = (Stage::AskGeometry, Some(snapshot));
         candidates.push(pre_verified);
         signs.push((own, other));
     }
@@ -85,6 +89,27 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
     }
     let screening = Screening::of_candidates(index, 0, query, Verify::Geometry, candidates);
     Some(Suspects { keyframe, screening, signs })
+}
+
+/// Returns the heaviest pair of different identifiers, each read alike twice or described, that stand at the same relative
+/// place around two keyframes, if such pairs outweigh what agrees.
+fn known_contradiction<'a>(
+    own: &'a LocalAnchorMap,
+    other: &'a LocalAnchorMap,
+    index: &MapIndex,
+) -> Option<(&'a LocalAnchor, &'a LocalAnchor)> {
+    let comparison = compare(own, other, index, &index.properties().settings);
+    let is_known = |anchor: &LocalAnchor| anchor.certainty > Certainty::ReadOnce;
+    let known =
+        || comparison.contradictions.iter().filter(|pair| is_known(pair.query) && is_known(pair.candidate));
+    let weight = known().fold(0.0, |sum, pair| sum + pair.weight());
+    if weight <= comparison.agreement() {
+        return None;
+    }
+    let names = |pair: &Contradiction<'_>| (pair.query.name, pair.candidate.name);
+    let heaviest =
+        known().max_by(|a, b| a.weight().total_cmp(&b.weight()).then_with(|| names(b).cmp(&names(a))));
+    heaviest.map(|pair| (pair.query, pair.candidate))
 }
 
 /// Whether an object has an identifier that was read alike twice, or described.
@@ -123,10 +148,10 @@ impl Suspects {
         let pre_verified = &self.screening.candidates[at];
         let found =
             check_geometry(&self.screening, pre_verified, asked.as_ref(), features, SEED).ok()?.verification;
-        let alone = self.screening.settings.geometry_alone_min_inliers;
-        let is_loop = found.status == Status::Verified && (found.model.is_metric() || found.inliers >= alone);
+        let is_alike = found.status == Status::Verified
+            && (found.model.is_metric() || found.inliers >= ALONE_MIN_INLIERS);
         let (anchor, candidate_anchor) = self.signs[at];
-        is_loop.then_some(Twins {
+        is_alike.then_some(Twins {
             keyframe: self.keyframe,
             candidate: pre_verified.keyframe,
             anchor,

@@ -78,7 +78,7 @@ pub fn worst_case(
             sum + heaviest.map_or(0.0, |heaviest| heaviest + a.weight)
         })
     };
-    let contradicting_weight = if settings.contradiction_veto {
+    let contradicting_weight = if settings.is_ours() {
         let also_waiting = of_candidate.iter();
         let in_candidate: Vec<&LocalAnchor> =
             comparison.unmatched_of_candidate.iter().copied().chain(also_waiting).collect();

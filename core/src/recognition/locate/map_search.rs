@@ -22,7 +22,7 @@ use crate::recognition::loops::evidence;
 use crate::recognition::loops::fusion::fuse;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
-use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::loops::screening::{PreVerified, Screening, Stage};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
 
@@ -260,16 +260,10 @@ fn most_promising<'p>(
 /// Returns a candidate that geometry may look at, whatever its anchors say: where nothing is known of one's own place,
 /// everything that looks alike counts, if only as a rival.
 fn opened(checked: PreVerified) -> PreVerified {
-    let stage = match checked.left_open() {
-        Some(_) => CandidateStage::AskGeometry,
-        None => checked.stage,
-    };
-    let mut opened = PreVerified { stage, ..checked };
-    if opened.stage == CandidateStage::AskGeometry {
-        opened.candidate.reason = None;
+    match checked.stage {
+        Stage::Stopped => PreVerified { stage: Stage::AskGeometry, ..checked },
+        Stage::AnchorsAgree | Stage::AskGeometry => checked,
     }
-    opened.rivalry.is_rival = true;
-    opened
 }
 
 impl MapSearch {

@@ -6,11 +6,9 @@ use super::pose::of_covariance;
 use super::selection::Chosen;
 use crate::domain::location::{LocatedPose, PoseSource};
 use crate::domain::verdict::Candidate;
-use crate::recognition::loops::decision::decide;
-use crate::recognition::loops::evidence;
+use crate::recognition::loops::decision::conclude_view;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
-use crate::recognition::loops::screening::CandidateStage;
 use crate::recognition::verification::Status;
 
 /// The findings of geometry between a keyframe that asks and a candidate.
@@ -46,17 +44,9 @@ pub fn look(
 ) -> View {
     let screening = &search.screenings[chosen.asked];
     let pre_verified = &screening.candidates[chosen.candidate];
-    let mut candidate = pre_verified.candidate.clone();
     let checked = check_geometry(screening, pre_verified, asked, features, question.seed);
     let outcome = checked.as_ref().ok().cloned();
-    if pre_verified.stage == CandidateStage::Stopped {
-        candidate.geometry = match &checked {
-            Ok(outcome) => evidence::geometry(&outcome.verification),
-            Err(missing) => evidence::geometry_skipped(missing),
-        };
-    } else {
-        decide(screening, pre_verified, checked, &mut candidate);
-    }
+    let candidate = conclude_view(screening, pre_verified, checked).candidate;
     let verified = outcome.filter(|outcome| outcome.verification.status == Status::Verified);
     let explained = verified.as_ref().map(|outcome| &outcome.verification.explained_pixels);
     let cameras = screening.snapshot.as_ref().zip(pre_verified.snapshot.as_ref());

@@ -51,7 +51,7 @@ pub struct LocalAnchor {
     pub kind: Option<TextKind>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,
-    /// The certainty of its text, but for passages ([`crate::recognition::extensions::sure_text::is_sure`]).
+    /// The certainty of its text.
     pub certainty: Certainty,
     /// Its centre, in the frame of the central keyframe's session.
     pub centre_in_session: Point3,
@@ -115,7 +115,8 @@ pub fn local_anchor_map(index: &MapIndex, centre: &Centre, places: &mut PlaceCou
     LocalAnchorMap { session: centre.session, anchors }
 }
 
-fn stored_anchor(
+/// Returns an object as an anchor around a keyframe; none where nothing places it in the keyframe's session.
+pub(in crate::recognition) fn stored_anchor(
     index: &MapIndex,
     centre: &Centre,
     root: AnchorSeq,
@@ -173,7 +174,7 @@ fn inline_anchor(
         name: LocalName::Inline(inline.detection),
         class: inline.class.clone(),
         state,
-        description: inline.text.as_ref().map(|text| text.normalised().into()),
+        description: inline.raw.clone(),
         text: inline.text.clone(),
         kind: inline.text.as_ref().map(
             |text| {
@@ -181,7 +182,11 @@ fn inline_anchor(
             },
         ),
         text_id,
-        certainty: if inline.described { Certainty::Sure } else { Certainty::ReadOnce },
+        certainty: match inline.described {
+            true => Certainty::Sure,
+            false if inline.confidence < settings.reading_min_confidence => Certainty::Doubtful,
+            false => Certainty::ReadOnce,
+        },
         centre_in_session: inline.centre_in_session,
         bearing,
         range_assumed: inline.range_assumed,
@@ -202,5 +207,5 @@ fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usiz
 
 /// p of M6, counted only if the map's settings ask for it.
 fn places_at(index: &MapIndex, count: impl FnOnce() -> usize) -> usize {
-    if index.properties().settings.distinctive_weights { count() } else { 1 }
+    if index.properties().settings.is_ours() { count() } else { 1 }
 }

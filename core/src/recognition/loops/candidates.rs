@@ -111,7 +111,7 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             Proposal { keyframe, score, channels, neighbours: Vec::new() }
         };
         let mut candidates: Vec<Proposal> = found.into_iter().map(proposal).collect();
-        if index.properties().settings.near_miss_neighbours && query.snapshot.is_some() {
+        if index.properties().settings.is_ours() && query.snapshot.is_some() {
             for candidate in &mut candidates {
                 candidate.neighbours = best_neighbours(index, query, candidate.keyframe, &scores);
             }
@@ -131,7 +131,7 @@ fn first_come(bow: Vec<KeyframeSeq>, anchors: Vec<KeyframeSeq>) -> Vec<(Keyframe
 /// Returns how alike the map's global descriptors are to the query's, ascending by keyframe; `None` where the query does not
 /// use the channel.
 fn likenesses(index: &MapIndex, query: &Query<'_>) -> Option<Vec<Ranked>> {
-    let sought = query.global.as_ref().filter(|_| index.properties().settings.global_channel)?;
+    let sought = query.global.as_ref().filter(|_| index.properties().settings.is_ours())?;
     let mut likenesses = Vec::new();
     index.globals().score_all(sought, &mut likenesses);
     Some(likenesses)

@@ -30,10 +30,14 @@ pub struct InlineAnchor {
     pub detection: usize,
     /// Its class.
     pub class: Box<str>,
+    /// The reading, as it was sent.
+    pub raw: Option<Box<str>>,
     /// The parsed reading.
     pub text: Option<Arc<Text>>,
     /// Whether a model or a person described it.
     pub described: bool,
+    /// The reader's confidence, 0 to 1.
+    pub confidence: f64,
     /// Whether the reader was not confident, and nothing else of the map was read alike.
     pub doubtful: bool,
     /// Its place, in the session's frame.
@@ -96,7 +100,9 @@ pub fn inline_centre(
                     detection: number,
                     class: class.into(),
                     doubtful: unsure && text.as_ref().is_some_and(is_alone),
+                    raw: detection.reading().map(Into::into),
                     text: text.map(Arc::new),
+                    confidence: detection.confidence,
                     described,
                     centre_in_session,
                     range_assumed,

@@ -7,16 +7,15 @@ use std::collections::BTreeSet;
 
 use super::anchor_check::{AnchorCheck, Counts};
 use super::candidates::find_candidates;
-use super::decision::{answer, settle_repeats, verify_candidate};
+use super::decision::{answer, settle_odds, settle_repeats, verify_candidate};
 use super::evidence;
 use super::features::FeatureSet;
 use super::geometry_check::PlacedQuery;
 use super::query::Query;
 use super::screening::{PreVerified, Screening};
+use crate::domain::change::Keyframe;
 use crate::domain::channel::Channel;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verdict, Verify};
-use crate::recognition::extensions::rivals::{find_rivals, settle_rivals};
-use crate::recognition::extensions::witness::bear_out;
 use crate::recognition::map::index::MapIndex;
 
 /// Decides whether a keyframe is a loop: checks 1 to 3 of §V, then geometry on the candidates that passed them and whose
@@ -52,9 +51,7 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
         let mut candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
         candidate.proposed = proposals.proposed_by(keyframe, channels);
         // check 3, §V-A: the local anchor map around the candidate; §V-B: Eq. (1) and Eq. (2) between the two
-        let pre_verified = anchors.check(keyframe, candidate, &mut counts)?;
-        // M15: what odometry and confirmed loops say
-        Some(bear_out(map, query, pre_verified))
+        anchors.check(keyframe, candidate, &mut counts)
     };
     let candidates = proposals.candidates.iter().filter_map(|proposal| {
         let (keyframe, score) = (proposal.keyframe, proposal.score);
@@ -74,12 +71,26 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
         }
         Some(pre_verified)
     });
-    let mut candidates: Vec<PreVerified> = candidates.collect();
-    // M19: other places that look the same
-    if verify != Verify::Anchors && query.snapshot.is_some() {
-        find_rivals(map, &mut candidates, &mut counts.places);
-    }
-    Screening::of_candidates(map, map_version, query, verify, candidates)
+    let candidates: Vec<PreVerified> = candidates.collect();
+    let mut screening = Screening::of_candidates(map, map_version, query, verify, candidates);
+    screening.joined = joined(map, &screening.candidates);
+    screening
+}
+
+/// Returns the pairs of candidates that are of one place: covisible, or near each other in one session's frame.
+fn joined(map: &MapIndex, candidates: &[PreVerified]) -> BTreeSet<(usize, usize)> {
+    let pairs = (0..candidates.len()).flat_map(|a| (a + 1..candidates.len()).map(move |b| (a, b)));
+    let radius_m = map.properties().settings.distinctive_place_radius_m;
+    let are_near = |a: &Keyframe, b: &Keyframe| {
+        let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
+        a.session == b.session && apart_m <= radius_m
+    };
+    let is_joined = |(a, b): &(usize, usize)| {
+        let (a, b) = (candidates[*a].keyframe, candidates[*b].keyframe);
+        let stored = map.keyframe(a).zip(map.keyframe(b));
+        stored.is_some_and(|(a, b)| are_near(a, b)) || map.covisibility().joins(a, b)
+    };
+    pairs.filter(is_joined).collect()
 }
 
 /// Runs geometry on the candidates that passed checks 1 to 3, and decides.
@@ -92,8 +103,8 @@ pub fn verify_and_decide(screening: Screening, features: &FeatureSet, seed: u64)
     // the last step: geometric verification; and ours, the anchors under its transformation
     let verify = |pre_verified| verify_candidate(&screening, pre_verified, asked.as_ref(), features, seed);
     let mut verified: Vec<_> = screening.candidates.iter().map(verify).collect();
-    // M19: geometry proves a view, not a place
-    settle_rivals(&screening.candidates, &mut verified, &screening.settings);
+    // M64: other places of the map that are as likely
+    settle_odds(&screening, &mut verified);
     // M63: a robot closes a return once
     let closed = settle_repeats(&screening.candidates, &mut verified);
     let mut candidates: Vec<_> = verified.into_iter().map(|one| one.candidate).collect();

@@ -1,8 +1,8 @@
 //! Comparison of two local anchor maps (§V-B): Eq. (1), Eq. (2), and what speaks against.
 //!
-//! The paper's reading and ours share these lines; the map's settings choose. To the letter, every
+//! The paper's reading and ours share these lines; the map's method chooses. To the letter, every
 //! pair with x(i, j) = 1 is summed, so three EXIT signs against three give S = 3. With
-//! `one_to_one` an anchor matches at most one of the other map, by the assignment of maximum
+//! ours an anchor matches at most one of the other map, by the assignment of maximum
 //! weight, and 0 <= S <= 1.
 
 use std::collections::BTreeSet;
@@ -16,9 +16,7 @@ use crate::domain::anchor::AnchorState;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::contradiction::{Contradiction, contradict};
-use crate::recognition::extensions::dispute::disputed;
 use crate::recognition::extensions::sighting::Sighting;
-use crate::recognition::extensions::sure_text::is_sure;
 use crate::recognition::map::index::{MapIndex, TextIndex};
 use crate::semantics::Source;
 
@@ -38,8 +36,6 @@ pub struct Matched<'a> {
     pub source: Source,
     /// In how many places it hangs, were the two one object.
     pub places: usize,
-    /// Whether either reading is in doubt by what is read around it.
-    pub is_disputed: bool,
 }
 
 impl Matched<'_> {
@@ -70,10 +66,7 @@ pub struct Comparison<'a> {
     pub pending: usize,
     /// The pairs that match.
     pub matches: Vec<Matched<'a>>,
-    /// Pairs of one description at different relative places, which hang nowhere else: from another point of view the same
-    /// objects, under a transformation perhaps not.
-    pub elsewhere: Vec<Matched<'a>>,
-    /// The pairs that contradict (only with `contradiction_veto`).
+    /// The pairs that contradict (only by our method).
     pub contradictions: Vec<Contradiction<'a>>,
     /// The weight of all valid anchors of both maps: the denominator of Eq. (2).
     pub total_weight: f64,
@@ -112,13 +105,6 @@ impl Comparison<'_> {
     pub fn contradicting_weight(&self) -> f64 {
         total(self.contradictions.iter().map(Contradiction::weight))
     }
-
-    /// Returns the weight of everything that surely contradicts.
-    pub fn surely_contradicting_weight(&self, index: &MapIndex) -> f64 {
-        let is_sure =
-            |pair: &&Contradiction<'_>| is_sure(index, pair.query) && is_sure(index, pair.candidate);
-        total(self.contradictions.iter().filter(is_sure).map(Contradiction::weight))
-    }
 }
 
 /// Compares the local anchor map of the query with that of a candidate.
@@ -132,11 +118,9 @@ pub fn compare<'a>(
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
     let session = query.session.filter(|session| candidate.session == Some(*session));
-    let disputed = [disputed(query), disputed(candidate)];
     let similar_pairs = SimilarPairs::between(&of_query, &of_candidate, texts, settings);
-    let matcher = Matcher { index, session, settings, disputed, similar_pairs };
+    let matcher = Matcher { index, session, settings, similar_pairs };
     let matches = matcher.matching_pairs(&of_query, &of_candidate);
-    let elsewhere = matcher.elsewhere(&of_query, &of_candidate);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
     let agreeing_weight = total(matches.iter().map(Matched::weight));
@@ -144,7 +128,7 @@ pub fn compare<'a>(
     let similarity = equation_2::similarity(agreeing_weight, total_weight);
     let [unmatched_of_query, unmatched_of_candidate] =
         matcher.similar_pairs.unmatched(&of_query, &of_candidate);
-    let contradictions = if settings.contradiction_veto {
+    let contradictions = if settings.is_ours() {
         let same_place = |a: &LocalAnchor, b: &LocalAnchor| same_relative_place(a, b, settings);
         contradict(&unmatched_of_query, &unmatched_of_candidate, same_place)
     } else {
@@ -161,7 +145,6 @@ pub fn compare<'a>(
         in_candidate: of_candidate.len(),
         pending,
         matches,
-        elsewhere,
         contradictions,
         total_weight,
         unmatched_of_query,
@@ -175,8 +158,6 @@ struct Matcher<'m> {
     /// The session whose frame both maps are in, if it is one.
     session: Option<SessionSeq>,
     settings: &'m Settings,
-    /// The disputed anchors, those of the query's map first.
-    disputed: [BTreeSet<LocalName>; 2],
     similar_pairs: SimilarPairs,
 }
 
@@ -201,59 +182,51 @@ impl Matcher<'_> {
         pairs.into_iter().filter_map(matched).collect()
     }
 
-    /// Returns the pairs of similar descriptions at different relative places that hang nowhere else.
-    fn elsewhere<'a>(
-        &self,
-        of_query: &[&'a LocalAnchor],
-        of_candidate: &[&'a LocalAnchor],
-    ) -> Vec<Matched<'a>> {
-        if !self.settings.aligned_anchors {
-            return Vec::new();
-        }
-        let pairs = self
-            .similar_pairs
-            .iter()
-            .map(|(i, similar)| (of_query[i], of_candidate[similar.candidate], &similar.judged));
-        pairs
-            // Were the two one object, it would hang in one place fewer than counted, and in more than one.
-            .filter(|(a, b, _)| a.places.max(b.places) <= 2)
-            .filter(|(a, b, _)| a.is_measured_with(b) && !same_relative_place(a, b, self.settings))
-            .map(|(a, b, judged)| self.pair(a, b, judged.clone()))
-            .filter(|pair| pair.places == 1)
-            .collect()
-    }
-
     fn pair<'a>(
         &self,
         query: &'a LocalAnchor,
         candidate: &'a LocalAnchor,
         (level, source): (u8, Source),
     ) -> Matched<'a> {
-        let places = self.places_if_one(query, candidate);
-        let [of_query, of_candidate] = &self.disputed;
-        let is_disputed = of_query.contains(&query.name) || of_candidate.contains(&candidate.name);
-        Matched { query, candidate, level, source, places, is_disputed }
+        let places = places_if_one(self.index, self.session, query, candidate);
+        Matched { query, candidate, level, source, places }
     }
+}
 
-    /// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the
-    /// frame has them in two. A plate seen again after metres of drift hangs in one place; an exit sign seen at a second
-    /// door as well, until there is a third.
-    fn places_if_one(&self, query: &LocalAnchor, candidate: &LocalAnchor) -> usize {
-        let places = query.places.max(candidate.places);
-        if places == 1 || !query.is_measured_with(candidate) {
-            return places;
-        }
-        let sighting = |anchor: &LocalAnchor| match (anchor.name, self.session) {
-            (LocalName::MergedAnchor(root), Some(session)) => Sighting::of(self.index, root, session),
-            (LocalName::Inline(_), Some(_)) => {
-                Some(Sighting::inline(anchor.centre_in_session, &NO_KEYFRAMES))
-            }
-            (_, None) => None,
-        };
-        match sighting(query).zip(sighting(candidate)) {
-            Some((a, b)) if !a.may_be_at(&b, self.index) && !a.shares_map_with(&b, self.index) => places - 1,
-            _ => places,
-        }
+/// Returns the pair of two anchors that are called alike, wherever they stand. `session` is the one whose frame both are in, if it
+/// is one.
+pub(in crate::recognition) fn matched<'a>(
+    index: &MapIndex,
+    session: Option<SessionSeq>,
+    query: &'a LocalAnchor,
+    candidate: &'a LocalAnchor,
+    (level, source): (u8, Source),
+) -> Matched<'a> {
+    let places = places_if_one(index, session, query, candidate);
+    Matched { query, candidate, level, source, places }
+}
+
+/// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the
+/// frame has them in two. A plate seen again after metres of drift hangs in one place; an exit sign seen at a second
+/// door as well, until there is a third.
+fn places_if_one(
+    index: &MapIndex,
+    session: Option<SessionSeq>,
+    query: &LocalAnchor,
+    candidate: &LocalAnchor,
+) -> usize {
+    let places = query.places.max(candidate.places);
+    if places == 1 || !query.is_measured_with(candidate) {
+        return places;
+    }
+    let sighting = |anchor: &LocalAnchor| match (anchor.name, session) {
+        (LocalName::MergedAnchor(root), Some(session)) => Sighting::of(index, root, session),
+        (LocalName::Inline(_), Some(_)) => Some(Sighting::inline(anchor.centre_in_session, &NO_KEYFRAMES)),
+        (_, None) => None,
+    };
+    match sighting(query).zip(sighting(candidate)) {
+        Some((a, b)) if !a.may_be_at(&b, index) && !a.shares_map_with(&b, index) => places - 1,
+        _ => places,
     }
 }
 

@@ -16,7 +16,7 @@ pub(in crate::recognition) fn passes(similarity: f64, settings: &Settings) -> bo
 /// Returns the pairs that Eq. (2) sums: one-to-one by maximum weight, or, to the paper's letter, all with x(i, j) = 1.
 /// `pairs` are those, each with its weight, ascending.
 pub(in crate::recognition) fn summed_pairs(pairs: Vec<Edge>, settings: &Settings) -> Vec<(usize, usize)> {
-    if settings.one_to_one {
+    if settings.is_ours() {
         return assign(&pairs);
     }
     pairs.into_iter().map(|(i, j, _)| (i, j)).collect()

@@ -11,11 +11,8 @@ use crate::domain::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
     GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
-use crate::recognition::extensions::alignment::Aligned;
 use crate::recognition::extensions::contradiction::Contradiction;
 use crate::recognition::extensions::difference::{Differing, Ruling, relative_placement};
-use crate::recognition::extensions::tracked_path::Discrepancy;
-use crate::recognition::extensions::vouching::Voucher;
 use crate::recognition::extensions::worst_case::WorstCase;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::{Failure, Status, Verification};
@@ -53,7 +50,7 @@ pub(in crate::recognition) fn anchors(
     settings: &Settings,
 ) -> AnchorEvidence {
     let (contradictions, agreement) = (&comparison.contradictions, comparison.agreement());
-    let ruling = Ruling { contradictions, agreement, must_be_sure: false };
+    let ruling = Ruling { contradictions, agreement };
     let explain = |pair: &Differing| {
         let placement = relative_placement(pair.query(), pair.candidate(), settings);
         pair.explain(&placement, ruling, settings)
@@ -92,16 +89,6 @@ fn contradiction(pair: &Contradiction<'_>) -> ContradictionEvidence {
         reason: pair.reason(),
         weight: pair.weight(),
     }
-}
-
-/// Under the transformation: the pairs that do not stand are gone, S is taken again.
-pub(in crate::recognition) fn align(anchors: &mut AnchorEvidence, aligned: &Aligned<'_>) {
-    let mut stands = aligned.stands.iter();
-    anchors.matches.retain(|_| stands.next().copied().unwrap_or(false));
-    anchors.similarity = aligned.similarity;
-    anchors.is_distinctive = aligned.least_places == Some(1);
-    anchors.contradictions = aligned.contradictions.iter().map(contradiction).collect();
-    anchors.differences.clone_from(&aligned.differences);
 }
 
 pub(in crate::recognition) fn geometry_skipped(reason: &str) -> GeometryEvidence {
@@ -153,43 +140,6 @@ pub(in crate::recognition) fn too_few_matches(matches: u32, limit: u32) -> Reaso
     Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
 }
 
-pub(in crate::recognition) fn too_few_alone(verification: &Verification, limit: u32) -> Reason {
-    let inliers = verification.inliers;
-    let detail = format!(
-        "{inliers} inliers without map points or anchors prove a view and not a place: {limit} needed"
-    );
-    let (measured, limit) = (Some(f64::from(inliers)), Some(f64::from(limit)));
-    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
-}
-
-pub(in crate::recognition) fn ambiguous_places(inliers: u32, of_rival: u32, min_ratio: f64) -> Reason {
-    let detail = format!(
-        "geometry alone speaks for it, with {inliers} inliers, and for another place with {of_rival}: \
-         {min_ratio} times as many would tell the two apart"
-    );
-    let (measured, limit) = (Some(f64::from(inliers)), Some(min_ratio * f64::from(of_rival)));
-    Reason { code: ReasonCode::AmbiguousPlaces, measured, limit, detail }
-}
-
-pub(in crate::recognition) fn twins_known(inliers: u32) -> Reason {
-    let detail = format!(
-        "geometry alone speaks for it, with {inliers} inliers, and this map shows one view in two places: \
-         see the map's twins"
-    );
-    Reason { code: ReasonCode::TwinsKnown, measured: Some(f64::from(inliers)), limit: None, detail }
-}
-
-pub(in crate::recognition) fn neighbours_vouch(by: Voucher, inliers: u32) -> Reason {
-    let voucher = match by {
-        Voucher::Anchors => "the anchors around the neighbours of both agree",
-        Voucher::ConfirmedLoop => "a confirmed loop joins its neighbours with this place",
-    };
-    let detail =
-        format!("the anchors near it leave it open; {voucher}, and geometry on map points verifies the view");
-    let measured = Some(f64::from(inliers));
-    Reason { code: ReasonCode::NeighboursVouch, measured, limit: None, detail }
-}
-
 pub(in crate::recognition) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
     let detail = match code {
         ReasonCode::BowBelowReference => {
@@ -197,62 +147,9 @@ pub(in crate::recognition) fn reason(code: ReasonCode, measured: f64, limit: f64
                 "the words score {measured:.3}, below {limit:.3}, the share asked for of the reference score"
             )
         }
-        ReasonCode::AnchorsDisagreeWithTransform => {
-            format!(
-                "under the transformation the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"
-            )
-        }
         _ => format!("the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"),
     };
     Reason { code, measured: Some(measured), limit: Some(limit), detail }
-}
-
-pub(in crate::recognition) fn contradicted(
-    pairs: &[Contradiction<'_>],
-    contradicting: f64,
-    agreeing: f64,
-) -> Reason {
-    let heaviest = pairs.iter().max_by(|a, b| a.weight().total_cmp(&b.weight()));
-    let detail = heaviest.map_or_else(String::new, Contradiction::reason);
-    Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
-}
-
-pub(in crate::recognition) fn displaced(against: f64, agreeing: f64) -> Reason {
-    let detail = String::from("under the transformation signs that hang once would hang in two places");
-    let (measured, limit) = (Some(against), Some(agreeing));
-    Reason { code: ReasonCode::AnchorsDisplaced, measured, limit, detail }
-}
-
-pub(in crate::recognition) fn disagrees_with_odometry(discrepancy: Discrepancy, length_m: f64) -> Reason {
-    let (off, limit, said) = match discrepancy {
-        Discrepancy::Metres { off, limit } => (off, limit, format!("{off:.2} m off")),
-        Discrepancy::Radians { off, limit } => (off, limit, format!("turned by {off:.2} rad")),
-    };
-    let detail = format!(
-        "the transformation is {said} from where the robot tracked itself to on a way of {length_m:.1} m"
-    );
-    let code = ReasonCode::OdometryDisagreesWithTransform;
-    Reason { code, measured: Some(off), limit: Some(limit), detail }
-}
-
-pub(in crate::recognition) fn not_distinctive(places: usize) -> Reason {
-    let detail = format!("everything that agrees hangs in at least {places} places");
-    let (measured, limit) = (Some(places as f64), Some(1.0));
-    Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
-}
-
-pub(in crate::recognition) fn no_witness() -> Reason {
-    let detail = "all that agrees are texts without an identifier, which may hang in many places, or numbers read once \
-        that no plate around them bears out; nothing else says that it is this one"
-        .to_owned();
-    Reason { code: ReasonCode::NoWitness, measured: None, limit: None, detail }
-}
-
-pub(in crate::recognition) fn tracked_only() -> Reason {
-    let detail =
-        "all that agrees was seen in this same passage: it was tracked, and no return is shown by it"
-            .to_owned();
-    Reason { code: ReasonCode::TrackedOnly, measured: None, limit: None, detail }
 }
 
 pub(in crate::recognition) fn pending(comparison: &Comparison<'_>, code: ReasonCode) -> Reason {
@@ -344,6 +241,7 @@ pub(in crate::recognition) fn unchecked(
         bow: bow(score, reference_score),
         anchors: None,
         geometry: geometry_skipped("an earlier check decided"),
+        odds: None,
         reason: None,
     })
 }

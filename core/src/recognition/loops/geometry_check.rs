@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use super::features::{FeatureSet, MatchableFeatures};
 use super::geometry_snapshot::GeometrySnapshot;
-use super::screening::{CandidateStage, PreVerified, Screening};
+use super::screening::{PreVerified, Screening, Stage};
 use crate::domain::settings::{GeometryAcceptance, Settings};
 use crate::domain::verdict::Verify;
 use crate::geometry::{Point3, Sim3};
@@ -52,8 +52,8 @@ impl Placed {
     /// elsewhere.
     fn of(seeing: Seeing<'_>, landmarks: &mut [Landmark<'_>], terms: &Terms<'_>) -> Self {
         let mut points = seeing.0.points_in_camera(seeing.1);
-        let limits = limits(terms, CandidateStage::AskGeometry, true);
-        let resected = terms.settings.geometry_resection.then(|| resection(&view(seeing, &points), &limits));
+        let limits = limits(terms, Stage::AskGeometry, true);
+        let resected = terms.settings.is_ours().then(|| resection(&view(seeing, &points), &limits));
         let Some(camera_from_posed) = resected.flatten() else {
             return Self { points, camera_from_posed: Sim3::identity() };
         };
@@ -125,12 +125,12 @@ pub fn verify_views(
     features: &FeatureSet,
     seed: u64,
 ) -> Result<GeometryOutcome, &'static str> {
-    verify_pair(terms, CandidateStage::AskGeometry, query, candidate, features, seed)
+    verify_pair(terms, Stage::AskGeometry, query, candidate, features, seed)
 }
 
 fn verify_pair(
     terms: &Terms<'_>,
-    stage: CandidateStage,
+    stage: Stage,
     asked: &PlacedQuery<'_>,
     candidate: Seeing<'_>,
     features: &FeatureSet,
@@ -155,9 +155,9 @@ fn verify_pair(
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map
 /// points let a similarity be found, the letter's numbers count (M19).
-fn limits(terms: &Terms<'_>, stage: CandidateStage, are_triangulated: bool) -> Limits {
+fn limits(terms: &Terms<'_>, stage: Stage, are_triangulated: bool) -> Limits {
     let settings = terms.settings;
-    let by_count = are_triangulated || stage == CandidateStage::AskGeometry;
+    let by_count = are_triangulated || stage == Stage::AskGeometry;
     Limits {
         min_matches: settings.geometry_min_matches,
         min_inliers: settings.geometry_min_inliers,

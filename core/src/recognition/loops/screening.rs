@@ -8,52 +8,20 @@ use super::wanted_features::WantedFeatures;
 use crate::domain::change::Loop;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
-use crate::domain::verdict::{
-    CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
-};
-use crate::recognition::extensions::alignment::Compared;
+use crate::domain::verdict::{CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, Verify};
 use crate::recognition::extensions::returning::Returning;
-use crate::recognition::extensions::tracked_path::TrackedPath;
-use crate::recognition::extensions::vouching::{Vouched, Voucher};
 use crate::recognition::map::index::MapIndex;
+use crate::recognition::odds::bet::Bet;
 
 /// The stage of a candidate after check 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CandidateStage {
-    /// A check stopped it.
+pub enum Stage {
+    /// Geometry is not asked: a check stopped it, or geometry could not turn the answer.
     Stopped,
-    /// The anchors say that the two places are one.
+    /// The anchors speak for it.
     AnchorsAgree,
-    /// The anchors agree by texts alone that hang in many places: geometry on map points must witness.
-    NeedsWitness,
-    /// All that agrees was tracked from the candidate to the query in one passage: geometry must say that it is a return, and
-    /// for texts that need a witness, geometry on map points.
-    TrackedOnly {
-        /// Something besides such texts agrees.
-        has_witness: bool,
-    },
-    /// Its anchors leave it open, and neighbours vouch for it: geometry on map points must verify the view.
-    Vouched,
-    /// There are no anchors, and the map's settings leave it to geometry alone.
+    /// Nothing but geometry can speak for it.
     AskGeometry,
-}
-
-/// A candidate that check 3 lets pass.
-#[derive(Clone, Debug)]
-pub struct Passed {
-    /// Its stage.
-    pub stage: CandidateStage,
-    /// Identifiers that are not sure contradict the place: it is rejected where geometry cannot run (M7).
-    pub contradicted: Option<Reason>,
-}
-
-/// A candidate's part among those that geometry alone may take for each other (M19).
-#[derive(Clone, Debug, Default)]
-pub struct Rivalry {
-    /// The candidates that are known to be another place; looked for where geometry alone may make this one a loop.
-    pub rivals: Vec<KeyframeSeq>,
-    /// Whether it is a rival of another candidate: geometry looks at it, though a check stopped it.
-    pub is_rival: bool,
 }
 
 /// A candidate after check 3.
@@ -64,25 +32,15 @@ pub struct PreVerified {
     /// The evidence so far.
     pub candidate: Candidate,
     /// Its stage.
-    pub stage: CandidateStage,
-    /// Why it is rejected where geometry cannot run.
-    pub contradicted: Option<Reason>,
-    /// The voucher for it, where its own anchors leave it open.
-    pub vouched: Option<Vouched>,
-    /// Which other candidates look like it, and are not it.
-    pub rivalry: Rivalry,
+    pub stage: Stage,
     /// Other keyframes of its place, covisible with it, that passed the anchors: they are looked at where it is a near miss.
     pub neighbours: Vec<PreVerified>,
-    /// Whether the session's own poses have the query at the candidate's place: what looks alike there is no return.
-    pub is_here: bool,
-    /// Whether an identifier matches that was not merely tracked through this same passage.
+    /// How an identifier is known that matches and was not merely tracked through this same passage.
     pub identifier: Returning,
-    /// The comparison's findings, to be held against a transformation.
-    pub compared: Compared,
+    /// The bet on it; none under the paper's method.
+    pub bet: Option<Bet>,
     /// The confirmed loop that a loop with it would repeat, if there is one and repeated loops do not count.
     pub repeats: Option<ClosedLoop>,
-    /// The unbroken odometry chain to the query, if there is one.
-    pub path: Option<TrackedPath>,
     /// Its geometry: camera, pose and map points.
     pub snapshot: Option<GeometrySnapshot>,
     /// Whether the built-in judge stood in for a model that is away.
@@ -90,6 +48,7 @@ pub struct PreVerified {
 }
 
 impl PreVerified {
+    /// Returns a candidate that a check stopped.
     pub(in crate::recognition) fn stopped(
         keyframe: KeyframeSeq,
         mut candidate: Candidate,
@@ -98,37 +57,27 @@ impl PreVerified {
     ) -> Self {
         candidate.decision = decision;
         candidate.reason = Some(reason);
+        Self::at(Stage::Stopped, keyframe, candidate)
+    }
+
+    /// Returns a candidate at a stage, of which nothing else is known.
+    pub(in crate::recognition) fn at(stage: Stage, keyframe: KeyframeSeq, candidate: Candidate) -> Self {
         Self {
             keyframe,
             candidate,
-            stage: CandidateStage::Stopped,
-            contradicted: None,
-            vouched: None,
-            rivalry: Rivalry::default(),
+            stage,
             neighbours: Vec::new(),
-            is_here: false,
             identifier: Returning::No,
-            compared: Compared::default(),
+            bet: None,
             repeats: None,
-            path: None,
             snapshot: None,
             is_degraded: false,
         }
     }
-}
-
-impl PreVerified {
-    /// Returns the decision and the reason of a candidate that its anchors neither bear out nor speak against: there are
-    /// none, or all that agrees hangs in several places.
-    pub(in crate::recognition) fn left_open(&self) -> Option<(CandidateDecision, Reason)> {
-        let reason = self.candidate.reason.clone().filter(|_| self.stage == CandidateStage::Stopped)?;
-        let is_open = matches!(reason.code, ReasonCode::NoAnchors | ReasonCode::NotDistinctive);
-        is_open.then_some((self.candidate.decision, reason))
-    }
 
     /// Whether geometry will look at it, so that the keyframes around it may be asked.
     pub(in crate::recognition) fn may_be_near_miss(&self) -> bool {
-        self.stage != CandidateStage::Stopped && self.snapshot.is_some()
+        self.stage != Stage::Stopped && self.snapshot.is_some()
     }
 
     /// Adds the neighbours that passed the anchors. Their guided search does with the window that is read for this one.
@@ -141,17 +90,6 @@ impl PreVerified {
             snapshot.window.retain(|keyframe| read.contains(keyframe));
         }
         self.neighbours = neighbours;
-    }
-
-    /// Returns the candidate with somebody to vouch for it; `otherwise` is what it is without.
-    pub(in crate::recognition) fn vouched(
-        mut self,
-        by: Voucher,
-        otherwise: (CandidateDecision, Reason),
-    ) -> Self {
-        self.candidate.decision = CandidateDecision::Loop;
-        self.candidate.reason = None;
-        Self { stage: CandidateStage::Vouched, vouched: Some(Vouched { by, otherwise }), ..self }
     }
 }
 
@@ -176,8 +114,8 @@ pub struct Screening {
     pub closed: Vec<ClosedLoop>,
     /// Whether the built-in judge stood in for a model that is away, about any candidate.
     pub degraded: bool,
-    /// The pairs of keyframes of this map that geometry verified and the anchors contradict (M16); 0 where the
-    /// map's settings do not mind.
+    /// The pairs of keyframes of this map that geometry verified and the anchors contradict (M16); 0 where the map's settings do
+    /// not mind.
     pub twins: usize,
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
@@ -185,6 +123,8 @@ pub struct Screening {
     pub snapshot: Option<GeometrySnapshot>,
     /// The candidates.
     pub candidates: Vec<PreVerified>,
+    /// The pairs of candidates that are covisible, by their numbers, the smaller first.
+    pub joined: BTreeSet<(usize, usize)>,
 }
 
 impl Screening {
@@ -207,9 +147,10 @@ impl Screening {
             too_recent: if candidates.is_empty() { query.too_recent(index) } else { 0 },
             closed: closed_loops(index, query),
             degraded: candidates.iter().any(|candidate| candidate.is_degraded),
-            twins: if settings.twin_guard { index.twins().count() } else { 0 },
+            twins: if settings.is_ours() { index.twins().count() } else { 0 },
             query: query.keyframe,
             snapshot: query.snapshot.clone(),
+            joined: BTreeSet::new(),
             candidates,
         }
     }
@@ -217,9 +158,7 @@ impl Screening {
     /// Returns the candidates that geometry is to look at.
     pub fn waiting(&self) -> impl Iterator<Item = &PreVerified> {
         let runs = self.snapshot.is_some() && self.verify != Verify::Anchors;
-        let is_looked_at = |c: &PreVerified| {
-            (c.stage != CandidateStage::Stopped || c.rivalry.is_rival) && c.snapshot.is_some()
-        };
+        let is_looked_at = |c: &PreVerified| c.stage != Stage::Stopped && c.snapshot.is_some();
         self.candidates.iter().filter(move |c| runs && is_looked_at(c))
     }
 

@@ -27,4 +27,3 @@ pub use expected::Sign;
 pub use judged::{may_have_missed, missed, seen_again};
 pub use passages::{Passage, passages_ended_by};
 pub use place::{LOOKS_OF_A_WRITE_MAX, Look, looks, tracked_here};
-pub(super) use readings::is_alike;

@@ -28,6 +28,8 @@ pub(super) struct Judging<'a> {
 /// The certainty of an object's text (M7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
+    /// It was read once, or never twice alike, and with less confidence than `reading_min_confidence`.
+    Doubtful,
     /// It was read once, or never twice alike.
     ReadOnce,
     /// It was read alike twice or more; in one passage, one bad angle misreads the same way twice.
@@ -99,6 +101,7 @@ impl MergedAnchor {
                 let agree = elected.count >= settings.agreeing_reads as usize;
                 let certainty = match elected.count {
                     _ if elected.described && agree => Certainty::Sure,
+                    0 | 1 if elected.weight < settings.reading_min_confidence => Certainty::Doubtful,
                     0 | 1 => Certainty::ReadOnce,
                     _ => Certainty::ReadAlike,
                 };

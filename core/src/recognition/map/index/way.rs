@@ -30,6 +30,20 @@ impl MapIndex {
         steps.map(|step| step.keyframe)
     }
 
+    /// Returns the keyframes on from one on its session's way, that one first.
+    pub fn way_on(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
+        let place = self.keyframe(from).and_then(|keyframe| {
+            let blocks = self.odometer.sessions.get(&keyframe.session)?;
+            Some((blocks, find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?))
+        });
+        let steps = place.into_iter().flat_map(|(blocks, place)| {
+            let rest = &blocks[place.block..];
+            let own = rest.iter().take(1).flat_map(move |block| &block.steps[place.at..]);
+            own.chain(rest.iter().skip(1).flat_map(|block| &block.steps))
+        });
+        steps.map(|step| step.keyframe)
+    }
+
     /// Returns the keyframes before and after one on its session's way, each with the length of the step between, in
     /// micrometres; none where the way is broken.
     pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
