@@ -270,10 +270,13 @@ async fn parameters_paths_and_methods_are_checked() {
 #[tokio::test]
 async fn a_map_and_a_query_are_checked_like_a_keyframe() {
     let server = server().await;
-    let settings =
-        json!({"settings": {"candidates_max": 0, "one_to_one": 1, "sigma": 0.2, "without_anchors": "maybe"}});
-    let places =
-        ["/settings/sigma", "/settings/candidates_max", "/settings/one_to_one", "/settings/without_anchors"];
+    let settings = json!({"settings": {"candidates_max": 0, "building_repeats": 1, "sigma": 0.2, "without_anchors": "maybe"}});
+    let places = [
+        "/settings/sigma",
+        "/settings/building_repeats",
+        "/settings/candidates_max",
+        "/settings/without_anchors",
+    ];
     check("bad settings", &server.put("/v1/maps/other", &settings).await, 422, &places);
     check("a patch of nothing known", &server.patch(MAP, &json!({"name": "x"})).await, 422, &["/name"]);
     let queries = format!("{MAP}/loop-queries");

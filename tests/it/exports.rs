@@ -87,7 +87,7 @@ pub async fn lived(server: &Server) {
             .expect(201);
     }
     server
-        .patch("/v1/maps/m", &json!({"settings": {"candidates_max": 20, "company": false}}))
+        .patch("/v1/maps/m", &json!({"settings": {"candidates_max": 20, "building_repeats": false}}))
         .await
         .expect(200);
     let verdict = json!({"operation": "describe", "keyframe": "kf-1", "detection": 1, "text": "a red boat at sea", "source": "model:elsewhere"});
@@ -173,7 +173,7 @@ async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
     let made =
         json!({"description": "two floors", "code_classes": ["tag"], "settings": {"candidates_max": 9}});
     assert_eq!(lines[0]["body"], made);
-    assert_eq!(lines[5]["body"], json!({"settings": {"candidates_max": 20, "company": false}}));
+    assert_eq!(lines[5]["body"], json!({"settings": {"candidates_max": 20, "building_repeats": false}}));
     // What was corrected since is as it was sent.
     let sent = keyframe("robot-1", 2, 1.0, "902");
     let again = &line(&lines, "keyframe", "kf-1")["body"];
@@ -266,11 +266,11 @@ async fn deleted_keyframes_are_left_out_and_the_points_that_they_brought_stay() 
 async fn settings_that_were_changed_to_and_fro_end_as_they_were() {
     let (first, second) = (Server::start().await, Server::start().await);
     first.put("/v1/maps/m", &json!({})).await.expect(201);
-    for company in [false, true] {
-        first.patch("/v1/maps/m", &json!({"settings": {"company": company}})).await.expect(200);
+    for repeats in [false, true] {
+        first.patch("/v1/maps/m", &json!({"settings": {"building_repeats": repeats}})).await.expect(200);
     }
     copy("m", &first, &second, "m.ndjson").await;
-    assert_eq!(second.get("/v1/maps/m").await.expect(200)["settings"]["company"], true);
+    assert_eq!(second.get("/v1/maps/m").await.expect(200)["settings"]["building_repeats"], true);
     assert_eq!(exported(&second, "m").await, exported(&first, "m").await);
 }
 

@@ -40,7 +40,10 @@ async fn frames(server: &Server) -> Value {
 async fn two_robots_that_met_are_in_one_frame_and_a_false_loop_is_a_suspect() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::on(folder.path()).await;
-    server.put(MAP, &json!({"settings": {"without_anchors": "geometry"}})).await.expect(201);
+    server
+        .put(MAP, &json!({"settings": {"without_anchors": "geometry", "building_repeats": false}}))
+        .await
+        .expect(201);
     let b_from_world = pose([10.0, -3.0, 2.0], 70.0);
     meet(&server, 1, b_from_world).await;
     meet(&server, 2, b_from_world).await;
@@ -91,7 +94,10 @@ async fn two_robots_that_met_are_in_one_frame_and_a_false_loop_is_a_suspect() {
 #[tokio::test]
 async fn the_trajectory_of_the_fleet_has_both_robots_in_the_frame_of_one() {
     let server = Server::with_map("m").await;
-    server.patch(MAP, &json!({"settings": {"without_anchors": "geometry"}})).await.expect(200);
+    server
+        .patch(MAP, &json!({"settings": {"without_anchors": "geometry", "building_repeats": false}}))
+        .await
+        .expect(200);
     let b_from_world = pose([10.0, -3.0, 2.0], 70.0);
     meet(&server, 1, b_from_world).await;
     meet(&server, 2, b_from_world).await;
@@ -119,7 +125,7 @@ async fn the_trajectory_of_the_fleet_has_both_robots_in_the_frame_of_one() {
 #[tokio::test]
 async fn a_suspect_is_revoked_where_the_map_says_so() {
     let server = Server::start().await;
-    let settings = json!({"without_anchors": "geometry", "revoke_suspects": true});
+    let settings = json!({"without_anchors": "geometry", "building_repeats": false, "revoke_suspects": true});
     server.put(MAP, &json!({"settings": settings})).await.expect(201);
     let b_from_world = pose([10.0, -3.0, 2.0], 70.0);
     meet(&server, 1, b_from_world).await;

@@ -90,7 +90,7 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     let candidates = ours.asked.iter().flat_map(|asked| &asked.answer.candidates);
     let reasons: BTreeSet<&str> =
         candidates.filter_map(|candidate| Some(candidate.reason.as_ref()?.code.0.as_str())).collect();
-    for code in ["score_below_threshold", "odometry_disagrees_with_transform", "contradiction"] {
+    for code in ["too_little_evidence", "odometry_disagrees_with_transform", "contradiction"] {
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
     let paper = drive_through(&course, Method::Paper).await;

@@ -136,7 +136,7 @@ fn it_lists_the_numbers_that_decide_and_are_no_settings() {
         let found = constants.iter().find(|constant| constant["name"] == name);
         found.unwrap_or_else(|| panic!("no {name}"))["value"].as_f64()
     };
-    assert_eq!(value("alignment.same_place_m"), Some(0.75));
+    assert_eq!(value("odds.same_spot_m"), Some(0.75));
     assert_eq!(value("similarity.max_chi_square"), Some(9.21));
     assert_eq!(value("numbering.values"), Some(10.0));
     for constant in constants {

@@ -92,7 +92,10 @@ fn images_alone(mut lines: Vec<Value>) -> Vec<Value> {
     lines.retain(|line| line["op"] != "query" || asked.next() == Some(0));
     for line in &mut lines {
         match line["op"].as_str() {
-            Some("map") => line["body"]["settings"] = json!({"without_anchors": "geometry"}),
+            Some("map") => {
+                line["body"]["settings"] = json!({"without_anchors": "geometry",
+                    "building_repeats": false, "loop_min_confidence": 0.6});
+            }
             Some("keyframe") => {
                 line["body"]["detections"] = json!([]);
                 line["body"]["map_points"] = json!({"ids": [], "positions": []});

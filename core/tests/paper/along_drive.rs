@@ -75,7 +75,7 @@ fn lap(number: usize) -> impl Iterator<Item = (String, Keyframe)> {
 }
 
 #[test]
-fn a_robot_that_closes_what_it_is_told_closes_each_plate_once_a_lap() {
+fn a_robot_that_closes_what_it_is_told_closes_each_place_once_a_lap() {
     let mut scene = Scene::new();
     let mut closed: Vec<(usize, String)> = Vec::new();
     for number in 0..3 {
@@ -96,7 +96,8 @@ fn a_robot_that_closes_what_it_is_told_closes_each_plate_once_a_lap() {
     }
     for number in [1, 2] {
         let of_lap = closed.iter().filter(|(lap, _)| *lap == number).count();
-        assert!((1..=4).contains(&of_lap), "{closed:?}");
+        // Of 16 keyframes: one for each plate, and one that stands between two of them.
+        assert!((1..=5).contains(&of_lap), "{closed:?}");
     }
 }
 
@@ -120,10 +121,7 @@ fn the_next_keyframe_of_a_closed_return_names_the_loop_and_can_be_closed_too_by_
         Some(ReasonCode::AlreadyClosed)
     );
     assert_eq!(scene.ask_again("kf-2").decision, Decision::Loop);
-    scene.set(|settings| settings.returns_close_once = false);
-    assert_eq!(scene.ask("kf-2").decision, Decision::Loop);
     // A plate that no loop has joined is new.
-    scene.set(|settings| settings.returns_close_once = true);
     scene.put(
         "kf-3",
         keyframe()
@@ -134,6 +132,7 @@ fn the_next_keyframe_of_a_closed_return_names_the_loop_and_can_be_closed_too_by_
     );
     scene.put("kf-4", keyframe().unlinked().stamp(300).sees([door("903", [2.0, 0.0, 3.0])]));
     assert_eq!(scene.ask("kf-4").decision, Decision::Loop);
+    scene.cull("kf-4");
     scene.revoke("l-1");
     assert_eq!(scene.ask("kf-2").decision, Decision::Loop);
 }

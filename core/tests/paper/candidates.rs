@@ -4,7 +4,8 @@ use revisit_core::domain::channel::{Channel, ProposedBy};
 use revisit_core::{CandidateDecision, Decision, Features, Keypoint, ReasonCode, Settings};
 
 use super::scene::{
-    Keyframe, NAMES, Scene, candidates, close_to, code, door, ids, keyframe, reason, thing, told,
+    Keyframe, NAMES, Scene, candidates, close_to, code, door, ids, keyframe, reason, thing, to_the_letter,
+    told,
 };
 
 /// Five features of 8 zero bytes, seeing the points 11 to 15.
@@ -245,8 +246,8 @@ fn a_keyframe_of_the_session_taken_just_before_is_no_candidate_where_the_map_say
 
 #[test]
 fn images_that_are_alike_as_a_whole_are_candidates_whatever_their_words() {
-    let map = |global_channel| {
-        let mut scene = Scene::with(Settings { global_channel, ..Settings::default() });
+    let map = |settings: Settings| {
+        let mut scene = Scene::with(settings);
         scene.put("alike", keyframe().words(&[(7, 1.0)]).global(&[100, 90, -80, 3]));
         scene.put("less", keyframe().words(&[]).global(&[100, -90, -80, 3]));
         scene.put("opposite", keyframe().words(&[]).global(&[-100, -90, 80, -3]));
@@ -256,7 +257,7 @@ fn images_that_are_alike_as_a_whole_are_candidates_whatever_their_words() {
     };
     let by =
         |scene: &Scene, id: &str| scene.compare("query", id).proposed.expect("the query has a descriptor");
-    let scene = map(true);
+    let scene = map(Settings::default());
     let mut found = candidates(&scene.ask("query"));
     found.sort_unstable();
     assert_eq!(found, ["alike", "less", "words"]);
@@ -266,9 +267,9 @@ fn images_that_are_alike_as_a_whole_are_candidates_whatever_their_words() {
         let similarity = by(&scene, id).similarity.expect("both have one");
         assert!((similarity - cosine).abs() < 1e-3, "{id}: {similarity}");
     }
-    let off = map(false).ask("query");
-    assert_eq!(candidates(&off), ["words"]);
-    assert_eq!(off.candidates[0].proposed, None);
+    let letter = map(to_the_letter()).ask("query");
+    assert_eq!(candidates(&letter), ["words"], "the paper knows words alone");
+    assert_eq!(letter.candidates[0].proposed, None);
 }
 
 #[test]

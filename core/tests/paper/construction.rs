@@ -2,9 +2,9 @@
 
 use revisit_core::domain::anchor::{AnchorState, IgnoredReason, Outcome};
 use revisit_core::semantics::Name;
-use revisit_core::{CandidateDecision, MapProperties, ReasonCode, Settings};
+use revisit_core::{CandidateDecision, MapProperties, ReasonCode};
 
-use super::scene::{Scene, anchors, close_to_all, code, door, keyframe, named, thing, unread};
+use super::scene::{Scene, anchors, close_to_all, code, door, keyframe, named, thing, to_the_letter, unread};
 
 #[test]
 fn a_description_of_information_level_4_makes_a_valid_anchor_and_a_setting_moves_the_bar_at_once() {
@@ -38,7 +38,7 @@ fn a_description_of_information_level_4_makes_a_valid_anchor_and_a_setting_moves
 
 #[test]
 fn a_sign_becomes_evidence_when_the_bar_comes_down() {
-    let mut scene = Scene::with(Settings { single_text_needs_witness: false, ..Settings::default() });
+    let mut scene = Scene::with(to_the_letter());
     for id in ["kf-1", "kf-9"] {
         scene.put(id, keyframe().sees([door("EXIT", [0.0, 0.0, 1.0])]));
     }

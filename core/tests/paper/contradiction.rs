@@ -1,11 +1,12 @@
-//! M7, contradictions: two different identifiers of one class at the same relative place, where no keyframe has features.
-//! What geometry leaves of them is in `tests/it/geometry.rs` of the server.
+//! M7, contradictions: two names of one class that exclude each other at the same relative place, as a verdict shows them and as
+//! the sum weighs them, where no keyframe has features.
 
-use revisit_core::{Candidate, CandidateDecision, ReasonCode, Settings};
+use revisit_core::domain::verdict::EvidenceKind::{self, DisplacedName, Name, OtherName, StrangeNames};
+use revisit_core::recognition::odds::log_odds::LogOdds;
+use revisit_core::recognition::odds::weights;
+use revisit_core::{Candidate, CandidateDecision, ReasonCode};
 
-use super::scene::{
-    Keyframe, NAMES, Scene, Thing, anchors, candidate_of, close_to, code, door, keyframe, reason, thing, told,
-};
+use super::scene::{Keyframe, Scene, Thing, anchors, close_to, code, door, keyframe, reason, terms, thing};
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -28,11 +29,11 @@ fn seeing(sights: impl IntoIterator<Item = Thing>) -> Keyframe {
     keyframe().sees(sights)
 }
 
-/// Two passages compared.
-fn between(settings: Settings, query: Readings<'_>, candidate: Readings<'_>) -> Candidate {
-    let mut scene = Scene::with(settings);
-    pass(&mut scene, "candidate", candidate, &[]);
-    pass(&mut scene, "query", query, &[]);
+/// Two passages compared, with what else each sees.
+fn between(query: (Readings<'_>, &[Thing]), candidate: (Readings<'_>, &[Thing])) -> Candidate {
+    let mut scene = Scene::new();
+    pass(&mut scene, "candidate", candidate.0, candidate.1);
+    pass(&mut scene, "query", query.0, query.1);
     scene.compare("query", "candidate")
 }
 
@@ -47,117 +48,89 @@ fn is_contradicted(what: &str, found: &Candidate, named: [&str; 2]) {
     }
 }
 
+/// It is rejected for want of evidence.
 #[track_caller]
-fn only_does_not_match(what: &str, found: &Candidate) {
+fn is_unlike(what: &str, found: &Candidate, told: &[(EvidenceKind, LogOdds)]) {
     assert_eq!(found.decision, CandidateDecision::Rejected, "{what}: {found:#?}");
-    assert_eq!(code(found), Some(ReasonCode::ScoreBelowThreshold), "{what}");
+    assert_eq!(terms(found), told, "{what}");
     assert_eq!(anchors(found).contradictions, [], "{what}");
 }
 
 #[test]
-fn identifiers_that_differ_contradict_where_geometry_cannot_run_and_the_reason_names_both() {
+fn a_plate_that_reads_910_where_901_hung_makes_no_loop_and_the_reason_names_both() {
     let check = |what: &str, query: Readings<'_>, candidate: Readings<'_>, contradict: bool| {
-        let found = between(Settings::default(), query, candidate);
+        let found = between((query, &[]), (candidate, &[]));
         if contradict {
             is_contradicted(what, &found, [query[0], candidate[0]]);
+            assert_eq!(terms(&found), [(OtherName, weights::OTHER_NAME)], "{what}");
         } else {
-            only_does_not_match(what, &found);
+            is_unlike(what, &found, &[]);
         }
     };
     check("two characters differ, single readings", &["901"], &["910"], true);
     check("one character differs, single readings", &["3"], &["8"], true);
     check("each read alike twice", &["3", "3"], &["8", "8"], true);
     check("one of them read once", &["3", "3"], &["8"], true);
-    check("each read twice, not alike", &["3", "unknown"], &["8", "8"], true);
+    check("each read twice, one not alike", &["3", "unknown"], &["8", "8"], true);
     check("look-alikes are no conflict of the judge's", &["9O1", "9O1"], &["901", "901"], false);
     check("another role is no conflict", &["floor 9", "floor 9"], &["room 9", "room 9"], false);
-    check("names are no identifiers", &["Turing", "Turing"], &["Curie", "Curie"], false);
+    check("words are no names", &["Turing", "Turing"], &["Curie", "Curie"], false);
 }
 
 #[test]
-fn the_veto_can_be_turned_off() {
-    let off = Settings { contradiction_veto: false, ..Settings::default() };
-    only_does_not_match("off", &between(off, &["901"], &["910"]));
-}
-
-#[test]
-fn only_anchors_of_one_class_at_the_same_relative_place_contradict() {
-    let check = |what: &str, there: Thing, contradict: bool| {
+fn only_names_of_one_class_at_the_same_relative_place_contradict_and_elsewhere_they_are_strange() {
+    let strange = [(StrangeNames, weights::STRANGE_NAMES)];
+    let check = |what: &str, there: Thing, otherwise: Option<&[(EvidenceKind, LogOdds)]>| {
         let mut scene = Scene::new();
         scene.put("candidate", seeing([there]));
         scene.put("query", seeing([door("901", AHEAD)]));
         let found = scene.compare("query", "candidate");
-        if contradict {
-            is_contradicted(what, &found, ["901", "910"]);
-        } else {
-            only_does_not_match(what, &found);
+        match otherwise {
+            None => is_contradicted(what, &found, ["901", "910"]),
+            Some(told) => is_unlike(what, &found, told),
         }
     };
-    check("the same place", door("910", AHEAD), true);
-    check("another class", thing("shelf", "910").at(AHEAD), false);
-    check("1 m farther", door("910", [0.0, 0.0, 2.0]), false);
-    check("less than 1 m farther", door("910", [0.0, 0.0, 1.9]), true);
-    check("61 degrees to the right", door("910", [0.8746, 0.0, 0.4848]), false);
-    check("59 degrees to the right", door("910", [0.8572, 0.0, 0.5150]), true);
+    check("the same place", door("910", AHEAD), None);
+    check("another class", thing("shelf", "910").at(AHEAD), Some(&[]));
+    check("1 m farther", door("910", [0.0, 0.0, 2.0]), Some(&strange));
+    check("less than 1 m farther", door("910", [0.0, 0.0, 1.9]), None);
+    check("61 degrees to the right", door("910", [0.8746, 0.0, 0.4848]), Some(&strange));
+    check("59 degrees to the right", door("910", [0.8572, 0.0, 0.5150]), None);
 }
 
 #[test]
-fn contradictions_must_outweigh_agreements() {
-    // 901 against 910 a metre ahead: 1 + 1. Room 905 on the right, at some distance, agrees.
-    let check = |what: &str, distance_m: f64, contradicted: bool| {
-        let agreeing = [door("905", [distance_m, 0.0, 0.0])];
-        let mut scene = Scene::with(Settings { company: false, ..Settings::default() });
-        pass(&mut scene, "candidate", &["910"], &agreeing);
-        pass(&mut scene, "query", &["901"], &agreeing);
-        let found = scene.compare("query", "candidate");
-        close_to(what, anchors(&found).contradictions[0].weight, 2.0);
-        close_to(what, anchors(&found).matches[0].weight, 2.0 / distance_m);
-        if contradicted {
-            is_contradicted(what, &found, ["901", "910"]);
-            told(what, reason(&found).measured, 2.0);
-            told(what, reason(&found).limit, 2.0 / distance_m);
-        } else {
-            assert_eq!(found.decision, CandidateDecision::Loop, "{what}: {found:#?}");
-        }
+fn names_that_agree_weigh_against_another_name_at_one_spot() {
+    // Plates a metre away, 90 degrees apart.
+    let agreeing = [door("905", [1.0, 0.0, 0.0]), door("907", [-1.0, 0.0, 0.0])];
+    let check = |what: &str, agree: usize, told: &[(EvidenceKind, LogOdds)], decision: CandidateDecision| {
+        let more = &agreeing[..agree];
+        let found = between((&["901"], more), (&["910"], more));
+        assert_eq!(terms(&found), told, "{what}");
+        assert_eq!(found.decision, decision, "{what}: {found:#?}");
+        assert_eq!(anchors(&found).contradictions.len(), 1, "{what}");
     };
-    check("2 against 1", 2.0, true);
-    check("2 against 2 does not exceed", 1.0, false);
-    check("2 against 4", 0.5, false);
+    let (name, other) = ((Name, weights::NAME), (OtherName, weights::OTHER_NAME));
+    check("none agrees", 0, &[other], CandidateDecision::Rejected);
+    // Beside one that differs, a single name may be that of two boards (M17).
+    check("one agrees", 1, &[(EvidenceKind::SharedName, LogOdds::EVEN), other], CandidateDecision::Rejected);
+    check("two agree", 2, &[name, name, other], CandidateDecision::Loop);
 }
 
 #[test]
-fn a_plate_known_on_the_other_side_contradicts_nothing() {
+fn a_plate_that_hangs_behind_in_the_other_map_is_displaced_and_contradicts_nothing() {
     // 901 is ahead in one map and behind the camera in the other: another point of view, not another room.
-    let mut scene = Scene::new();
-    pass(&mut scene, "candidate", &["910"], &[door("901", [0.0, 0.0, -5.0])]);
-    pass(&mut scene, "query", &["901"], &[]);
-    only_does_not_match("901 hangs behind", &scene.compare("query", "candidate"));
+    let behind = [door("901", [0.0, 0.0, -5.0])];
+    let found = between((&["901"], &[]), (&["910"], &behind));
+    is_unlike("901 hangs behind", &found, &[(DisplacedName, weights::DISPLACED_BY_BEARING)]);
+    assert_eq!(code(&found), Some(ReasonCode::AnchorsDisplaced));
 }
 
 #[test]
 fn an_anchor_contradicts_one_other_at_most() {
-    let mut scene = Scene::new();
     // Both within reach of 901; 920 weighs 1/1.5, 910 weighs 1.
-    pass(&mut scene, "candidate", &["910"], &[door("920", [1.2, 0.0, 0.9])]);
-    pass(&mut scene, "query", &["901"], &[]);
-    let found = scene.compare("query", "candidate");
+    let beside = [door("920", [1.2, 0.0, 0.9])];
+    let found = between((&["901"], &[]), (&["910"], &beside));
     is_contradicted("the heavier pair", &found, ["901", "910"]);
     close_to("weight", anchors(&found).contradictions[0].weight, 2.0);
-}
-
-#[test]
-fn contradicting_weights_are_distinctive_too() {
-    // 910 hangs at 2 places, 901 at one: 1 + 1/2. What agrees weighs 0.8 + 0.8: it outweighs.
-    let settings = Settings { single_text_needs_witness: false, company: false, ..Settings::default() };
-    let mut scene = Scene::with(settings);
-    let agreeing = [thing("poster", NAMES[0]).at([1.25, 0.0, 0.0])];
-    pass(&mut scene, "candidate", &["910"], &agreeing);
-    pass(&mut scene, "query", &["901"], &agreeing);
-    let other = keyframe().at([50.0, 0.0, 0.0]).words(&[(99, 1.0)]).sees([door("910", [50.0, 0.0, 1.0])]);
-    let before = scene.compare("query", "candidate");
-    is_contradicted("2 against 1.6", &before, ["901", "910"]);
-    scene.put("elsewhere", other);
-    let found = candidate_of(&scene.ask("query"), "candidate").expect("it has the query's words");
-    close_to("weight", anchors(&found).contradictions[0].weight, 1.5);
-    assert_eq!(found.decision, CandidateDecision::Loop, "{found:#?}");
+    assert_eq!(terms(&found), [(OtherName, weights::OTHER_NAME)]);
 }

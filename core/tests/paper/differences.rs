@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use revisit_core::domain::difference::{DifferenceEvidence, DifferenceReason};
 use revisit_core::{Candidate, CandidateDecision, ReasonCode, Settings};
 
-use super::scene::{Scene, Thing, anchors, code, door, keyframe, reason, told};
+use super::scene::{Scene, Thing, anchors, code, door, keyframe, reason, to_the_letter, told};
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -21,10 +21,6 @@ fn between(
     let found = scene.compare("query", "candidate");
     let differences = anchors(&found).differences.clone();
     (found, differences)
-}
-
-fn without_veto() -> Settings {
-    Settings { contradiction_veto: false, ..Settings::default() }
 }
 
 #[test]
@@ -57,7 +53,7 @@ fn a_differing_identifier_says_why_it_is_no_contradiction() {
     check(&[plate("104"), door("107", [0.3, 0.0, 1.2])], &[plate("220")], PairedOtherwise, None);
     let agrees = || door("215", [0.5, 0.0, 0.0]);
     check(&[plate("104"), agrees()], &[plate("110"), agrees()], Outweighed, Some((2.0, 4.0)));
-    check_with(&without_veto(), &one, &[plate("110")], VetoOff, None);
+    check_with(&to_the_letter(), &one, &[plate("110")], VetoOff, None);
 }
 
 #[test]
@@ -80,7 +76,7 @@ fn differences_are_few_and_the_nearest_signs_come_first() {
     let (found, differences) = between(&Settings::default(), &hall(1000), &hall(5001));
     assert_eq!(code(&found), Some(ReasonCode::Contradiction), "{found:#?}");
     assert!(differences.len() <= 8, "{}", differences.len());
-    let (_, differences) = between(&without_veto(), &hall(1000), &hall(5001));
+    let (_, differences) = between(&to_the_letter(), &hall(1000), &hall(5001));
     assert_eq!(differences.len(), 8);
     assert_eq!(differences[0].query_identifier, "1000");
     assert_eq!(differences[0].candidate_identifier, "5001");
@@ -93,7 +89,7 @@ fn a_low_score_names_the_anchor_and_what_failed() {
         (door("901", AHEAD), door("901", [1.0, 0.0, 0.0]), "“901” is in both, but 1.57 rad aside"),
         (door("901", AHEAD), door("910", AHEAD), "nothing that is read in one is read in the other"),
     ] {
-        let (found, _) = between(&without_veto(), &[query], &[candidate]);
+        let (found, _) = between(&to_the_letter(), &[query], &[candidate]);
         assert_eq!(code(&found), Some(ReasonCode::ScoreBelowThreshold), "{found:#?}");
         let detail = &reason(&found).detail;
         assert!(detail.contains(said), "{detail:?} does not say {said}");

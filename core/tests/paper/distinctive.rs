@@ -1,12 +1,15 @@
 //! M6, distinctive weights: what stands in p places weighs (1/d) / p.
 
+use revisit_core::domain::method::Method;
+use revisit_core::domain::verdict::EvidenceKind;
+use revisit_core::recognition::odds::log_odds::LogOdds;
 use revisit_core::{Candidate, CandidateDecision, ReasonCode, Settings};
 
-use super::scene::{Scene, anchors, close_to, code, door, keyframe, reason, thing, told};
+use super::scene::{Scene, anchors, close_to, code, door, keyframe, reason, terms, thing, told};
 
 /// Settings by which EXIT is a valid description.
 fn exit_counts() -> Settings {
-    Settings { description_min_information_level: 2, single_text_needs_witness: false, ..Settings::default() }
+    Settings { description_min_information_level: 2, ..Settings::default() }
 }
 
 /// Something with this text hangs 2 m from a keyframe of its own, at each of these x.
@@ -43,8 +46,8 @@ fn a_description_that_stands_in_p_places_weighs_a_pth() {
     check("more than 3 m apart are two", &[("here", "sign", "exit", &[3.01])], 2.0);
     let radius = Settings { distinctive_place_radius_m: 2.9, ..exit_counts() };
     check_with(radius, "another radius", &[("here", "sign", "exit", &[3.0])], 2.0);
-    let off = Settings { distinctive_weights: false, ..exit_counts() };
-    check_with(off, "turned off", &[("here", "sign", "exit", &[10.0, 20.0])], 1.0);
+    let off = Settings { method: Method::Paper, ..exit_counts() };
+    check_with(off, "the paper's", &[("here", "sign", "exit", &[10.0, 20.0])], 1.0);
     check("other texts are not counted", &[("here", "sign", "toilet", &[10.0, 20.0])], 1.0);
     check("other classes are not counted", &[("here", "poster", "EXIT", &[10.0, 20.0])], 1.0);
     // Frames of different sessions cannot be compared: the largest count of any one of them, 3, and not 1 + 3.
@@ -74,32 +77,31 @@ fn signs_and_doors(settings: Settings, doors: [&str; 2], more_signs: usize) -> C
 }
 
 #[test]
-fn a_sign_at_every_door_makes_no_loop_of_two_rooms() {
-    let check = |what: &str, distinctive: bool, doors: [&str; 2], more_signs: usize, expected: f64| {
-        let settings = Settings {
-            distinctive_weights: distinctive,
-            contradiction_veto: false,
-            company: false,
-            ..exit_counts()
-        };
-        let found = signs_and_doors(settings, doors, more_signs);
-        close_to(what, anchors(&found).similarity, expected);
-        let is_loop = expected > 0.3;
-        let decision = if is_loop { CandidateDecision::Loop } else { CandidateDecision::Rejected };
-        assert_eq!(found.decision, decision, "{what}");
+fn a_sign_at_every_door_makes_a_loop_of_two_rooms_by_the_letter_alone() {
+    use CandidateDecision::{Loop, Rejected};
+    let check = |what: &str, method: Method, doors: [&str; 2], more_signs: usize, expected: (f64, _)| {
+        let found = signs_and_doors(Settings { method, ..exit_counts() }, doors, more_signs);
+        close_to(what, anchors(&found).similarity, expected.0);
+        assert_eq!(found.decision, expected.1, "{what}: {found:#?}");
     };
     // The paper's: (1 + 1) / 4, a loop between two rooms.
-    check("equal weights", false, ["901", "902"], 22, 0.5);
+    check("equal weights", Method::Paper, ["901", "902"], 22, (0.5, Loop));
     // Signs weigh 1/24: (2/24) / (2/24 + 2) = 1/25.
-    check("an EXIT sign at 24 doors", true, ["901", "902"], 22, 0.04);
+    check("an EXIT sign at 24 doors", Method::Revisit, ["901", "902"], 22, (0.04, Rejected));
     // Signs weigh 1/2: (1/2 + 1/2) / (1/2 + 1 + 1/2 + 1) = 1/3.
-    check("at two doors only", true, ["901", "902"], 0, 1.0 / 3.0);
+    check("at two doors only", Method::Revisit, ["901", "902"], 0, (1.0 / 3.0, Rejected));
     // The door is one of a kind wherever it is seen, but here it is seen 10 m from itself: p = 2 for both.
-    check("the same door, by a map that has drifted by 10 m", true, ["901", "901"], 22, 1.0);
+    check(
+        "the same door, by a map that has drifted by 10 m",
+        Method::Revisit,
+        ["901", "901"],
+        22,
+        (1.0, Loop),
+    );
 }
 
 #[test]
-fn an_agreement_that_hangs_in_several_places_is_undecided() {
+fn a_name_that_hangs_in_several_places_tells_none_of_them() {
     let mut scene = Scene::new();
     hang(&mut scene, "here", "door_number", "901", [0.0, 10.0]);
     let sight = [door("901", [0.0, 0.0, 2.0])];
@@ -107,8 +109,9 @@ fn an_agreement_that_hangs_in_several_places_is_undecided() {
     let found = scene.compare("query", "here-door_number-901-0");
     assert_eq!(found.decision, CandidateDecision::Undecided);
     assert_eq!(code(&found), Some(ReasonCode::NotDistinctive));
-    told("places", reason(&found).measured, 2.0);
-    told("places, at most", reason(&found).limit, 1.0);
+    assert_eq!(terms(&found), [(EvidenceKind::SharedName, LogOdds::EVEN)]);
+    told("confidence", reason(&found).measured, 0.5);
+    told("confidence, at least", reason(&found).limit, 0.99);
 }
 
 #[test]

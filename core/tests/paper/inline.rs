@@ -27,6 +27,10 @@ fn by_detections(mut verdict: Verdict, outcomes: &[Outcome]) -> Verdict {
         evidence.contradictions.iter_mut().for_each(|pair| inline(&mut pair.query_anchor));
         evidence.differences.iter_mut().for_each(|pair| inline(&mut pair.query_anchor));
     }
+    for odds in verdict.candidates.iter_mut().filter_map(|candidate| candidate.odds.as_mut()) {
+        let pairs = odds.terms.iter_mut().flat_map(|term| &mut term.pairs);
+        pairs.for_each(|(query, _)| inline(query));
+    }
     verdict
 }
 
@@ -83,7 +87,7 @@ fn an_inline_keyframe_tracks_what_its_neighbours_saw() {
 fn an_inline_anchor_counts_itself_among_the_places_of_its_description() {
     let mut scene = Scene::with(Settings { description_min_information_level: 2, ..Settings::default() });
     let see = |x: f64, text: &str| {
-        let sights = [thing("sign", "EXIT").at([x, 0.0, 2.0]), door(text, [x + 2.0, 0.0, 0.0])];
+        let sights = [thing("sign", "exit").at([x, 0.0, 2.0]), door(text, [x + 2.0, 0.0, 0.0])];
         keyframe().at([x, 0.0, 0.0]).sees(sights)
     };
     scene.put("old-1", see(0.0, "901"));

@@ -13,18 +13,20 @@
 //! | §V-B, Eq. (1) and (2) | `equation.rs` |
 //! | the gates of §V-B are strict | `strictness.rs` |
 //! | M6, M27 distinctive weights | `distinctive.rs` |
-//! | M7 contradictions | `contradiction.rs` |
+//! | M7 contradictions, and what the sum makes of them | `contradiction.rs` |
 //! | M7 differing identifiers that are no contradictions | `differences.rs` |
-//! | M10 one passage, M21 unsure readings | `passage.rs` |
+//! | M10 one passage is no return, M21 unsure readings | `passage.rs` |
 //! | M11, M28, M39 verdicts: what is missing, and which checks run | `verdicts.rs` |
 //! | M14 names: wings, cut plates, notices | `names.rs` |
 //! | M17 company, M20 numberings, M26 assumed distances | `numbering.rs` |
-//! | M22, M25 texts that need a witness | `witness.rs` |
 //! | M32 sessions: two robots, or two days | `sessions.rs` |
 //! | M33 poses, and culling | `correction.rs` |
 //! | M50 an inline keyframe | `inline.rs` |
 //! | M55 prior anchors and plans | `plans.rs` |
 //! | M51 the paper's method, written a second time | `letter.rs` |
+//! | M62, M63 neighbours along the drive, returns that are closed once | `along_drive.rs` |
+//! | M64 the sum of evidence, scene by scene | `sums.rs` |
+//! | M64 the laws that no evidence breaks | `odds.rs` |
 //!
 //! What the reader needs: keyframes have the word 1 unless they say otherwise, so that they are candidates of each other;
 //! they stand at the origin and look along z unless they say otherwise, so that a position is what the camera sees.
@@ -48,13 +50,14 @@ mod local_map;
 mod matching;
 mod names;
 mod numbering;
+mod odds;
 mod overview;
 mod passage;
 mod plans;
 mod scene;
 mod sessions;
 mod strictness;
+mod sums;
 mod tracking;
 mod verdicts;
 mod votes;
-mod witness;

@@ -1,31 +1,25 @@
 //! Features without map points: images alone.
 
 use revisit::geometry::Pose;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::scene::{DOOR, Shot, ask, asked, flat, map, number, pose, query_pose, store};
+use super::scene::{DOOR, POINTS, Shot, ask, asked, flat, map, number, pose, query_pose, store};
 
 #[tokio::test]
-async fn geometry_alone_needs_a_hundred_inliers_where_no_map_point_is_projected() {
-    let check = async |settings: Value, expected: [&str; 2]| {
-        let candidate = flat("a", Shot::of(1, Pose::identity()));
-        let query = flat("b", Shot::of(1, query_pose()));
+async fn without_map_points_a_view_alone_is_a_loop_where_most_of_it_is_the_same() {
+    let check = async |points: u64, models: &str, expected: [&str; 3]| {
+        let shot = |pose| Shot { points, ..Shot::of(1, pose) };
+        let (candidate, query) = (flat("a", shot(Pose::identity())), flat("b", shot(query_pose())));
+        let settings =
+            json!({"without_anchors": "geometry", "building_repeats": false, "geometry_models": models});
         let (verdict, found) = asked(&candidate, &query, settings, "auto").await;
+        let status = found["geometry"]["status"].as_str().unwrap();
         let code = found["reason"]["code"].as_str().unwrap_or("none");
-        assert_eq!([verdict.as_str(), code], expected, "{found:#}");
-        found
+        assert_eq!([verdict.as_str(), status, code], expected, "{points}: {found:#}");
     };
-    let alone = |least: u32| json!({"without_anchors": "geometry", "geometry_alone_min_inliers": least});
-    let found = check(alone(100), ["undecided", "too_few_inliers"]).await;
-    assert_eq!(found["geometry"]["status"], "verified");
-    assert_eq!(number(&found["reason"]["limit"]), 100.0);
-    check(alone(30), ["loop", "none"]).await;
-    let letter = json!({"without_anchors": "geometry", "geometry_models": "sim3"});
-    let found = check(letter, ["undecided", "no_features"]).await;
-    assert_eq!(
-        (&found["geometry"]["model"], &found["geometry"]["status"]),
-        (&json!("se3"), &json!("skipped"))
-    );
+    check(POINTS, "auto", ["loop", "verified", "none"]).await;
+    check(60, "auto", ["undecided", "verified", "too_little_evidence"]).await;
+    check(POINTS, "sim3", ["undecided", "skipped", "no_anchors"]).await;
 }
 
 #[tokio::test]

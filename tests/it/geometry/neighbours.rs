@@ -1,4 +1,5 @@
-//! Neighbours: they vouch for a keyframe without an anchor near it, and are verified in a near miss's stead.
+//! Neighbours: the plates of the drive count for a keyframe without an anchor near it, and covisible keyframes are verified in a
+//! near miss's stead.
 
 use base64::Engine as _;
 use revisit::geometry::Pose;
@@ -9,7 +10,8 @@ use crate::support::Server;
 
 /// A keyframe of another room, which shares twenty points with the next and the one before.
 fn link(session: &str, at: u32, plates: &[(&'static str, [f64; 3])]) -> Value {
-    let mut body = Shot::of(9, Pose::identity()).plates(plates).body(session, false);
+    let on_the_way = pose([0.2 * f64::from(at) - 0.6, 0.0, 0.0], 0.0);
+    let mut body = Shot::of(9, on_the_way).plates(plates).body(session, false);
     body["bow"] = json!({"words": [50 + at], "weights": [1]});
     observing(body, at)
 }
@@ -40,7 +42,7 @@ async fn found(server: &Server, verify: &str) -> Value {
 }
 
 #[tokio::test]
-async fn a_keyframe_without_an_anchor_near_it_returns_where_its_neighbours_do() {
+async fn what_was_read_on_the_way_is_evidence_for_a_keyframe_without_an_anchor_near_it() {
     let check = async |settings: Value, plates, room, verify: &str, expected: [&str; 2]| {
         let server = map(settings, true).await;
         drive_twice(&server, plates, room).await;
@@ -49,50 +51,15 @@ async fn a_keyframe_without_an_anchor_near_it_returns_where_its_neighbours_do() 
         assert_eq!(said, expected, "{found:#}");
         found
     };
-    let (same, open) = (["room 901"; 2], ["undecided", "no_anchors"]);
-    let vouched = check(json!({}), same, 1, "auto", ["loop", "neighbours_vouch"]).await;
-    assert_eq!(number(&vouched["reason"]["measured"]), number(&vouched["geometry"]["inliers"]));
-    assert!(vouched["reason"]["detail"].as_str().unwrap().contains("anchors around the neighbours"));
-    assert_eq!(vouched["anchors"]["matches"].as_array().unwrap().len(), 1);
-    check(json!({"neighbours_vouch": false}), same, 1, "auto", open).await;
-    // Without geometry nobody vouches, nor where it finds another room, nor where the plates differ.
-    check(json!({}), same, 1, "anchors", open).await;
-    check(json!({}), same, 2, "auto", open).await;
-    check(json!({}), ["room 901", "room 777"], 1, "auto", open).await;
-    check(json!({"without_anchors": "reject"}), same, 2, "auto", ["rejected", "no_anchors"]).await;
-}
-
-#[tokio::test]
-async fn beside_a_sign_that_hangs_elsewhere_too_neighbours_vouch_as_well() {
-    const SIGN: &str = "Blue Harbour Lighthouse";
-    for (on, expected) in [(true, ["loop", "neighbours_vouch"]), (false, ["undecided", "not_distinctive"])] {
-        let server = map(json!({"neighbours_vouch": on}), true).await;
-        drive_twice(&server, ["room 901"; 2], 1).await;
-        for (session, last, at) in [("a", "candidate", Pose::identity()), ("b", "query", query_pose())] {
-            let mut far =
-                Shot::of(8, Pose::identity()).plates(&[(SIGN, [40.0, 0.0, 0.0])]).body(session, false);
-            far["bow"] = json!({"words": [90], "weights": [1]});
-            store(&server, &format!("{session}-far"), &far).await;
-            let mut beside = Shot::of(1, at).plates(&[(SIGN, [0.5, 0.5, 4.0])]).body(session, false);
-            beside["bow"] = json!({"words": [91], "weights": [1]});
-            store(&server, &format!("{last}-beside"), &observing(beside, 3)).await;
-        }
-        let found = found(&server, "auto").await;
-        let said = [&found["verdict"], &found["reason"]["code"]].map(|said| said.as_str().unwrap_or("none"));
-        assert_eq!(said, expected, "{found:#}");
-    }
-}
-
-#[tokio::test]
-async fn a_confirmed_loop_of_a_neighbour_vouches_with_geometry() {
-    let server = map(json!({"returns_close_once": false}), true).await;
-    drive_twice(&server, ["room 901", "room 777"], 1).await;
-    assert_eq!(found(&server, "auto").await["reason"]["code"], "no_anchors");
-    let closed = json!({"id": "loop-1", "keyframe": "b-2", "candidate": "a-2"});
-    server.post("/v1/maps/m/loops", &closed).await.expect(201);
-    let found = found(&server, "auto").await;
-    assert_eq!([&found["verdict"], &found["reason"]["code"]], ["loop", "neighbours_vouch"], "{found:#}");
-    assert!(found["reason"]["detail"].as_str().unwrap().contains("confirmed loop"), "{found:#}");
+    let same = ["room 901"; 2];
+    let found = check(json!({}), same, 1, "auto", ["loop", "none"]).await;
+    assert_eq!([&found["geometry"]["status"], &found["evidence"][0]["about"]], ["verified", "room 901"]);
+    assert_eq!(found["anchors"]["matches"], json!([]), "the plates are beyond the local maps");
+    // Without a view nobody knows at which keyframe of the two drives they meet.
+    check(json!({}), same, 1, "anchors", ["undecided", "too_little_evidence"]).await;
+    // Another room that geometry finds speaks against it, and so do plates that differ.
+    check(json!({}), same, 2, "auto", ["undecided", "too_few_inliers"]).await;
+    check(json!({}), ["room 901", "room 777"], 1, "auto", ["rejected", "contradiction"]).await;
 }
 
 /// A view of room 1 in which all but the first points are taken for the next one: fourteen of thirty matches are right.
@@ -126,12 +93,12 @@ async fn a_covisible_keyframe_stands_in_for_a_near_miss() {
     blind["observes"] = blind["features"]["map_points"].take();
     blind.as_object_mut().unwrap().remove("features");
     let cases = [
-        (true, &near, ["loop", "near"]),
-        (false, &near, ["no_loop", "candidate"]),
-        (true, &blind, ["no_loop", "candidate"]),
+        ("revisit", &near, ["loop", "near"]),
+        ("paper", &near, ["no_loop", "candidate"]),
+        ("revisit", &blind, ["undecided", "candidate"]),
     ];
-    for (on, near, expected) in cases {
-        let server = map(json!({"near_miss_neighbours": on}), true).await;
+    for (method, near, expected) in cases {
+        let server = map(json!({"method": method}), true).await;
         store(&server, "near", near).await;
         store(&server, "candidate", &half_wrong()).await;
         store(&server, "query", &query).await;

@@ -6,14 +6,13 @@ use super::scene::{crop, described, keyframe, put};
 use super::stub::{Reply, Stub};
 use crate::support::Server;
 
-/// Two lobbies with one painting, and a plate beside it that nothing has read.
+/// Two lobbies with one room's name on the wall, and a plate beside it that nothing has read.
 async fn lobbies(server: &Server) {
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     for (name, sec, x, colour) in [("kf-1", 1, 0.0, [255, 0, 0]), ("kf-2", 90, 50.0, [0, 0, 255])] {
-        let painting =
-            described("painting", [x + 1.0, 0.0, 2.0], "a portrait of Ada Lovelace with an umbrella");
+        let name_on_wall = described("wall_sign", [x + 1.0, 0.0, 2.0], "room 901");
         let plate = crop("door_number", [x, 0.0, 1.0], colour);
-        put(server, "m", name, &keyframe(sec, x, &[painting, plate])).await;
+        put(server, "m", name, &keyframe(sec, x, &[name_on_wall, plate])).await;
     }
 }
 

@@ -60,7 +60,10 @@ pub async fn server_with_map(models: ModelChoice) -> Server {
 }
 
 /// Stores two keyframes 50 m apart, each before a painting with its description.
+/// By the paper's letter such paintings are a loop; the sum of evidence asks for a name beside them.
 pub async fn put_paintings(server: &Server, first: &str, second: &str) {
+    let letter = json!({"settings": {"method": "paper"}});
+    server.patch("/v1/maps/m", &letter).await.expect(200);
     for (id, sec, x, description) in [("kf-1", 1, 0.0, first), ("kf-2", 90, 50.0, second)] {
         put(server, "m", id, &keyframe(sec, x, &[described("painting", [x, 0.0, 2.0], description)])).await;
     }

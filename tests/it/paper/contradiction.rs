@@ -10,8 +10,8 @@ async fn a_contradiction_is_told_with_its_weight_and_both_numbers() {
     let plate = |text: &str| [door(text, [0.0, 0.0, 1.0])];
     let found = compared(&json!({}), plate("901"), plate("910")).await;
     assert_eq!([&found["verdict"], &found["reason"]["code"]], ["rejected", "contradiction"]);
-    close_to("measured", &found["reason"]["measured"], 2.0);
-    close_to("limit", &found["reason"]["limit"], 0.0);
+    assert!(found["confidence"].as_f64() < Some(0.01), "{found:#}");
+    assert_eq!(found["reason"]["limit"], 0.99);
     let contradictions = list(&found["anchors"]["contradictions"]);
     assert_eq!(contradictions.len(), 1, "{found:#}");
     let pair = &contradictions[0];
@@ -21,6 +21,6 @@ async fn a_contradiction_is_told_with_its_weight_and_both_numbers() {
         let text = text.as_str().unwrap_or_default();
         assert!(text.contains("901") && text.contains("910"), "{text:?}");
     }
-    let off = compared(&json!({"contradiction_veto": false}), plate("901"), plate("910")).await;
-    assert_eq!(off["anchors"]["contradictions"], json!([]));
+    let paper = compared(&json!({"method": "paper"}), plate("901"), plate("910")).await;
+    assert_eq!(paper["anchors"]["contradictions"], json!([]));
 }

@@ -15,10 +15,9 @@ async fn a_difference_is_told_with_both_identifiers_and_its_figures_where_it_has
     close_to("measured", &pair["measured"], 1.5);
     close_to("limit", &pair["limit"], 1.0);
     assert!(!pair["detail"].as_str().unwrap_or_default().is_empty(), "{pair}");
-    assert_eq!(apart["reason"]["code"], "score_below_threshold");
+    assert_eq!(apart["reason"]["code"], "contradiction");
 
-    let off = json!({"contradiction_veto": false});
-    let ignored = compared(&off, plate(1.0, "104"), plate(1.0, "110")).await;
+    let ignored = compared(&json!({"method": "paper"}), plate(1.0, "104"), plate(1.0, "110")).await;
     let pair = &list(&ignored["anchors"]["differences"])[0];
     assert_eq!(pair["reason"], "veto_off");
     assert!(pair.get("measured").is_none() && pair.get("limit").is_none(), "{pair}");

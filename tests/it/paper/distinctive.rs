@@ -13,9 +13,11 @@ async fn a_sign_in_two_places_weighs_a_half_and_is_reported_as_not_distinctive()
     close_to("weight", &scene.local_map("here").await[0]["weight"], 0.5 / 2.0);
     scene.put("query", keyframe().session("other-day").sees([door("901", [0.0, 0.0, 2.0])])).await;
     let found = scene.compare("query", "here").await;
-    let reason = &found["reason"];
-    assert_eq!([&found["verdict"], &reason["code"]], ["undecided", "not_distinctive"]);
-    assert_eq!([&reason["measured"], &reason["limit"]], [&json!(2.0), &json!(1.0)]);
-    scene.set(json!({"distinctive_weights": false})).await;
-    close_to("turned off", &scene.local_map("here").await[0]["weight"], 0.5);
+    assert_eq!([&found["verdict"], &found["reason"]["code"]], ["undecided", "not_distinctive"]);
+    assert_eq!(
+        [&found["evidence"][0]["kind"], &found["evidence"][0]["log_odds"]],
+        [&json!("shared_name"), &json!(0.0)]
+    );
+    scene.set(json!({"method": "paper"})).await;
+    close_to("by the letter", &scene.local_map("here").await[0]["weight"], 0.5);
 }

@@ -19,6 +19,15 @@ fn figures(mut answer: Value, founded: &[String]) -> Value {
             }
         }
     }
+    for candidate in answer["candidates"].as_array_mut().into_iter().flatten() {
+        for term in candidate["evidence"].as_array_mut().into_iter().flatten() {
+            for name in term["query_anchors"].as_array_mut().into_iter().flatten() {
+                if let Some(place) = founded.iter().position(|anchor| *name == json!(anchor)) {
+                    *name = json!(format!("inline-{place}"));
+                }
+            }
+        }
+    }
     // An inline keyframe has no name.
     answer["keyframe"] = Value::Null;
     answer

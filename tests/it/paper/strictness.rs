@@ -7,7 +7,8 @@ use super::scene::{close_to, door};
 
 #[tokio::test]
 async fn the_settings_of_a_request_move_each_gate() {
-    let found = async |settings: Value| {
+    let found = async |mut settings: Value| {
+        settings["method"] = json!("paper");
         let there = door("room 901", [0.0, 0.0, 3.0]);
         compared(&settings, [door("901", [0.0, 0.0, 2.0])], [there]).await
     };

@@ -19,24 +19,20 @@ fn plate() -> Vec<Detection> {
 
 #[tokio::test]
 async fn the_papers_method_is_one_setting_and_what_is_named_beside_it_wins() {
-    let scene = Scene::with(json!({"method": "paper", "one_to_one": true})).await;
+    let scene = Scene::with(json!({"method": "paper", "covisibility_max_way_m": 2})).await;
     let shown = async || scene.get("").await["settings"].clone();
     let paper = shown().await;
     assert_eq!(
-        (&paper["one_to_one"], &paper["contradiction_veto"]),
-        (&json!(true), &json!(false)),
-        "{paper}"
-    );
-    assert_eq!(
-        (&paper["undecided_min_score_ratio"], &paper["method"]),
-        (&json!(0.0), &json!(null)),
+        (&paper["method"], &paper["covisibility_max_way_m"], &paper["learned_identifiers"]),
+        (&json!("paper"), &json!(2.0), &json!(false)),
         "{paper}"
     );
     scene.set(json!({"method": "revisit"})).await;
     let ours = shown().await;
     assert_eq!(
-        (&ours["contradiction_veto"], &ours["undecided_min_score_ratio"]),
-        (&json!(true), &json!(0.3))
+        (&ours["method"], &ours["covisibility_max_way_m"], &ours["learned_identifiers"]),
+        (&json!("revisit"), &json!(3.0), &json!(true)),
+        "{ours}"
     );
     let answer = scene.server.put("/v1/maps/other", &json!({"settings": {"method": "papers"}})).await;
     assert_eq!(answer.expect(422)["errors"][0]["pointer"], "/settings/method");

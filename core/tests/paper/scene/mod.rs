@@ -18,13 +18,14 @@ use revisit_core::recognition::loops::anchor_map::{LocalAnchor, local_anchor_map
 use revisit_core::recognition::loops::centre::Centre;
 use revisit_core::recognition::map::recorder::{Decided, Recorder};
 use revisit_core::{
-    BowVector, Candidate, Correction, FeatureSet, MapIndex, MapProperties, Query, Settings, Verdict, Verify,
-    check_loop, close_loop, correct, cull_keyframe, ingest, revoke_loop,
+    BowVector, Candidate, Correction, FeatureSet, Features, MapIndex, MapProperties, MatchableFeatures,
+    Query, Settings, Verdict, Verify, check_loop, close_loop, correct, cull_keyframe, ingest, revoke_loop,
 };
 
 pub use self::sent::{Keyframe, Thing, door, keyframe, thing, unread};
 pub use self::shown::{
-    Sign, anchors, candidates, close_to, close_to_all, code, descriptions, ids, named, reason, told,
+    Sign, anchors, candidates, close_to, close_to_all, code, confidence, descriptions, ids, named, reason,
+    terms, told,
 };
 
 mod sent;
@@ -121,6 +122,17 @@ impl Scene {
         let seq = self.seq(keyframe);
         let query = Query::stored(&self.map, seq, &self.words[&seq]).expect("it is stored").asked(true);
         check_loop(&self.map, &query, Verify::default(), &FeatureSet::default(), 0)
+    }
+
+    /// Asks about a stored keyframe, with the features that geometry reads.
+    pub fn ask_seeing(&self, keyframe: &str, features: &[(&str, Features)]) -> Verdict {
+        let seq = self.seq(keyframe);
+        let query = Query::stored(&self.map, seq, &self.words[&seq]).expect("it is stored");
+        let read =
+            |features: &Features| MatchableFeatures::of(features.clone()).expect("lists of one length");
+        let stored = features.iter().map(|(id, features)| (self.seq(id), Arc::new(read(features)))).collect();
+        let features = FeatureSet { inline: None, stored };
+        check_loop(&self.map, &query, Verify::default(), &features, 0)
     }
 
     /// Asks about a keyframe that is not stored.

@@ -4,7 +4,7 @@ use revisit_core::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use revisit_core::domain::ids::PointId;
 use revisit_core::domain::keyframe::CLIENTS_VOCABULARY;
 use revisit_core::geometry::Pose;
-use revisit_core::{BowVector, Detection, Features, NewKeyframe, Stamp};
+use revisit_core::{BowVector, Camera, Detection, Features, NewKeyframe, Stamp};
 
 use super::{keyframe_id, turned};
 
@@ -83,6 +83,11 @@ impl Keyframe {
     /// Its client declares these covisible, with so many shared points.
     pub fn sharing(mut self, keyframes: &[&str], shared: u32) -> Self {
         self.0.covisible = Some(keyframes.iter().map(|id| (keyframe_id(id), shared)).collect());
+        self
+    }
+
+    pub fn camera(mut self, camera: Camera) -> Self {
+        self.0.camera = Some(camera);
         self
     }
 

@@ -3,11 +3,12 @@
 use revisit_core::domain::anchor::{AnchorState, Outcome};
 use revisit_core::domain::ids::{AnchorSeq, KeyframeId};
 use revisit_core::domain::report::AnchorMatchReport;
-use revisit_core::domain::verdict::{AnchorEvidence, Reason};
+use revisit_core::domain::verdict::{AnchorEvidence, EvidenceKind, Reason};
 use revisit_core::geometry::{Aabb, Point3};
 use revisit_core::recognition::anchors::matching::{matches, neighbourhood};
 use revisit_core::recognition::loops::anchor_map::LocalAnchor;
 use revisit_core::recognition::map::index::MergedAnchor;
+use revisit_core::recognition::odds::log_odds::LogOdds;
 use revisit_core::{Candidate, MapIndex, ReasonCode, Verdict, semantics};
 
 /// An anchor of a scene as it stands.
@@ -142,6 +143,19 @@ pub fn reason(candidate: &Candidate) -> &Reason {
 /// Returns the word of the check that stopped a candidate, if one did.
 pub fn code(candidate: &Candidate) -> Option<ReasonCode> {
     candidate.reason.as_ref().map(|reason| reason.code)
+}
+
+/// Returns the terms of the sum of evidence for a candidate, in their order.
+#[track_caller]
+pub fn terms(candidate: &Candidate) -> Vec<(EvidenceKind, LogOdds)> {
+    let odds = candidate.odds.as_ref().unwrap_or_else(|| panic!("it was not weighed: {candidate:#?}"));
+    odds.terms.iter().map(|term| (term.kind, LogOdds::of(term.log_odds))).collect()
+}
+
+/// Returns the confidence in a candidate.
+#[track_caller]
+pub fn confidence(candidate: &Candidate) -> f64 {
+    candidate.odds.as_ref().unwrap_or_else(|| panic!("it was not weighed: {candidate:#?}")).confidence
 }
 
 /// Returns what the anchors of a local map are called; empty where nothing has described one.
