@@ -73,10 +73,6 @@ class DetectionRange(OpenEnum):
 class DifferenceReason(OpenEnum):
     """The reason why a differing identifier did not count as a contradiction, or not enough."""
 
-    NOT_SURE = "not_sure"
-    """Geometry found the place, and an identifier may be misread: it was not read alike twice, and only
-    one character differs.
-    """
     ANOTHER_PLACE = "another_place"
     """The two do not stand at the same relative place."""
     KNOWN_ELSEWHERE = "known_elsewhere"
@@ -133,6 +129,39 @@ class EventKind(OpenEnum):
     """A merge of sessions was taken back."""
     RELEASE_PUBLISHED = "release_published"
     """The map was published under a name."""
+
+
+class EvidenceKind(OpenEnum):
+    """The kind of a term of the sum of evidence for a place (M64)."""
+
+    NAME = "name"
+    """A sign with a name is read here and there, and hangs in one place."""
+    SHARED_NAME = "shared_name"
+    """The same, of a name that hangs in several places: it tells none of them."""
+    OTHER_NAME = "other_name"
+    """At one spot two names are read that exclude each other."""
+    STRANGE_NAMES = "strange_names"
+    """Around the one and around the other names are read that the other has not, wherever they hang."""
+    DISPLACED_NAME = "displaced_name"
+    """A name is read here and there, and would hang in two places."""
+    TEXTS = "texts"
+    """Pictures, notices and other texts agree. A copy of the place would show them, too."""
+    VIEW = "view"
+    """Geometry explains part of the view. A copy of the place would look the same."""
+    NO_VIEW = "no_view"
+    """Geometry finds no common view."""
+    APART = "apart"
+    """By the transformation the two cameras are farther apart than a place is wide."""
+    ODOMETRY = "odometry"
+    """Odometry has the robot here, or elsewhere."""
+    COPY = "copy"
+    """Looks, pictures, notices and views together prove no more than that there is no copy of this place."""
+    NEIGHBOUR = "neighbour"
+    """Names tell it from far places, and not from the place next to it."""
+    RIVAL = "rival"
+    """Another place of the map is as likely."""
+    UNREAD = "unread"
+    """Crops that nobody has read yet may speak against it."""
 
 
 class GeometryModel(OpenEnum):
@@ -302,10 +331,6 @@ class ReasonCode(OpenEnum):
     """
     NO_ANCHORS = "no_anchors"
     """There are no described anchors to compare (depends)."""
-    NEIGHBOURS_VOUCH = "neighbours_vouch"
-    """It is a loop: the anchors near it leave it open, but its neighbours return here, and geometry
-    verifies the view with `measured` inliers (accepts).
-    """
     LLM_PENDING = "llm_pending"
     """Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while
     (waits).
@@ -323,15 +348,11 @@ class ReasonCode(OpenEnum):
     (rejects).
     """
     CONTRADICTION = "contradiction"
-    """Sure identifiers at the same relative place exclude each other. The contradicting signs weigh
-    `measured`, the agreeing ones `limit` (rejects).
+    """Names around the two exclude each other. The confidence is `measured`, and `limit` is needed
+    (depends).
     """
     NOT_DISTINCTIVE = "not_distinctive"
-    """Every sign that agrees hangs in several places: it could be any of them (undecided)."""
-    NO_WITNESS = "no_witness"
-    """Only texts without an identifier agree, which may hang in many places: nothing else says that it is
-    this one (undecided).
-    """
+    """Every sign that agrees hangs in several places: it could be any of them (depends)."""
     TRACKED_ONLY = "tracked_only"
     """Every sign that agrees was seen in this same passage: it was tracked, and shows no return
     (undecided).
@@ -340,32 +361,18 @@ class ReasonCode(OpenEnum):
     """Geometry had to verify, and it could not run (undecided)."""
     TOO_FEW_INLIERS = "too_few_inliers"
     """Too few features fit one transformation: `measured`, and `limit` are needed (depends)."""
-    ANCHORS_DISAGREE_WITH_TRANSFORM = "anchors_disagree_with_transform"
-    """Under the verified transformation the matched anchors lie apart: S is `measured` and must exceed
-    `limit` (rejects).
-    """
     ANCHORS_DISPLACED = "anchors_displaced"
-    """Signs that hang once would hang in two places if this were a loop. They weigh `measured`, the
-    agreeing ones `limit` (rejects).
-    """
+    """A sign that hangs once would hang in two places if this were a loop (depends)."""
     ODOMETRY_DISAGREES_WITH_TRANSFORM = "odometry_disagrees_with_transform"
-    """The robot knows from its own tracking that it is somewhere else (rejects)."""
+    """The robot knows from its own tracking that it is somewhere else (depends)."""
     AMBIGUOUS_PLACES = "ambiguous_places"
-    """Geometry alone speaks for it, and nearly as much for another place: `measured` inliers, and `limit`
-    are needed (undecided).
-    """
-    TWINS_KNOWN = "twins_known"
-    """Geometry alone speaks for it, with `measured` inliers, and this map has shown one view in two
-    places: that proves nothing here (undecided).
-    """
+    """Another place of the map is about as likely (depends)."""
     PLACES_ALIKE = "places_alike"
     """Where am I: several places fit, and the confidence in the best one is `measured`; `limit` is needed.
     The signs in `look_for` would tell them apart (undecided).
     """
     TOO_LITTLE_EVIDENCE = "too_little_evidence"
-    """Where am I: the evidence for the best place gives a confidence of `measured`, and `limit` is needed
-    (undecided).
-    """
+    """The evidence gives a confidence of `measured`, and `limit` is needed (depends)."""
 
 
 class SettingsGeometryAcceptance(OpenEnum):
@@ -781,6 +788,10 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Bag of words; left out where `channel` is `global` alone."""
     anchors: AnchorFigures | None = None
     """Local anchor maps, if it came so far."""
+    confidence: float | None = None
+    """The confidence that the query was taken there, 0 to 1; left out under `'method': 'paper'`."""
+    evidence: list[Evidence] | None = None
+    """The terms of the sum of evidence; left out where there are none."""
     reason: Reason | None = None
     """The check that stopped it; left out for a loop."""
 
@@ -936,9 +947,7 @@ class Difference(msgspec.Struct, kw_only=True, omit_defaults=True):
     detail: str
     """One sentence for a person."""
     measured: float | None = None
-    """The measured value: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m
-    for `outweighed`.
-    """
+    """The measured value: metres or radians for `another_place`, weights in 1/m for `outweighed`."""
     limit: float | None = None
     """The value that it was compared with, in the same unit."""
 
@@ -1004,6 +1013,21 @@ class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The session that it merged into."""
     detail: str | None = None
     """The description, or one sentence for a person."""
+
+
+class Evidence(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One term of the sum of evidence for a place."""
+
+    kind: EvidenceKind
+    """Its kind."""
+    about: str
+    """The signs, cells or metres that it rests on, for a person."""
+    log_odds: float
+    """Its natural log-odds, positive for the place."""
+    query_anchors: list[str] | None = None
+    """The query's anchors that it rests on; left out where there are none."""
+    candidate_anchors: list[str] | None = None
+    """The candidate's, in the same order."""
 
 
 class Fault(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1509,6 +1533,8 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The map's version that was asked."""
     verdict: Verdict
     """The answer."""
+    why: str
+    """One sentence for a person: why."""
     best: str | None
     """The keyframe to close the loop with; null unless the verdict is `loop`."""
     loops: list[str]
@@ -1525,9 +1551,13 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     keyframe: str | None = None
     """The keyframe that was asked about; left out for an inline one."""
+    confidence: float | None = None
+    """The confidence in the best place, 0 to 1; left out under `'method': 'paper'`, and where no candidate
+    was weighed.
+    """
     has_twins: bool | None = None
-    """Whether the map has shown one view in two places, so that geometry alone closes no loop in it (see
-    the map's `twins`). Left out where it has not.
+    """Whether the map has shown one view in two places, around which different signs hang (see the map's
+    `twins`). Left out where it has not.
     """
     reason: Reason | None = None
     """Why, where no candidate says it: there is none, or the loop is confirmed and no other is left."""
@@ -1755,8 +1785,8 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     that were given stand in `settings`.
     """
     twins: list[Twins]
-    """The views that this map has in two places; while there is one, geometry alone closes no loop
-    (`twin_guard`). Looked for where `without_anchors` is `geometry`.
+    """The views that this map has in two places; around the two, different signs hang. Looked for where
+    `without_anchors` is `geometry`.
     """
     gravity: list[float] | None = None
     """The unit vector of gravity in the frame of each of its sessions; left out while it is not known."""
@@ -2331,8 +2361,16 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Every threshold of the method; the defaults are the paper's, where it has one."""
 
     method: SettingsMethod | None = None
-    """In a request: sets every setting that tells the paper's method, to the letter, from ours; a setting
-    named beside it wins. An answer shows the settings
+    """ours: decides on loops: revisit by the odds of all that is known (M64), paper by the paper's letter.
+    To set it sets every setting that has a value of its own under the paper; a setting named beside it
+    wins
+    """
+    loop_min_confidence: float | None = None
+    """ours: a loop is reported from this confidence on"""
+    building_repeats: bool | None = None
+    """ours: a place may have a copy elsewhere that nobody has mapped, which shows the same looks, pictures
+    and notices: only names and codes tell the two apart. Off, nothing repeats, and looks may close a
+    loop
     """
     association_min_point_share: float | None = None
     """§IV-C.1: sigma, the least share of a detection's map points that an anchor's box must cover"""
@@ -2374,22 +2412,8 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """§V-B: two local anchor maps match when S of Eq. (2) is greater"""
     anchor_map_min_distance_m: float | None = None
     """§V-B: bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres"""
-    one_to_one: bool | None = None
-    """ours: an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0
-    <= S <= 1; off is the paper's Eq. (2)
-    """
-    distinctive_weights: bool | None = None
-    """ours: an anchor whose description stands in p places weighs (1/d)/p"""
     distinctive_place_radius_m: float | None = None
     """ours: anchors farther apart than this stand in different places, in metres"""
-    contradiction_veto: bool | None = None
-    """ours: two different, sure identifiers of one class at the same relative place speak against the loop"""
-    aligned_anchors: bool | None = None
-    """ours: once Sim3 has given a transform, matched anchors must agree with it"""
-    undecided_min_score_ratio: float | None = None
-    """ours: a candidate without anchors that agree, whose BoW score is below this share of
-    reference_score, does not make the answer undecided; 0 = off
-    """
     reading_min_confidence: float | None = None
     """ours: a text of fewer than three specific words that a detection of less confidence read tells
     nothing until another keyframe of the map reads it alike; 0 = off
@@ -2403,10 +2427,6 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ours: learns for each class how the building writes its numbers, from ten values that were read
     alike in two keyframes or more each; from then on no other text of the class is an identifier
     """
-    company: bool | None = None
-    """ours: a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in
-    two places
-    """
     odometry_max_drift_share: float | None = None
     """ours: along an unbroken chain of a session's keyframes odometry is off by at most this share of the
     way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 =
@@ -2414,25 +2434,6 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     odometry_slack_m: float | None = None
     """ours: how far a transformation may be off odometry on any way, in metres"""
-    tracked_loops_need_geometry: bool | None = None
-    """ours: where all that agrees was tracked through this same passage, only verified geometry makes a
-    loop
-    """
-    single_text_needs_witness: bool | None = None
-    """ours: a text without an identifier and with fewer than three specific words closes a loop only
-    beside a matched identifier, along unbroken odometry, or under geometry on map points
-    """
-    near_miss_neighbours: bool | None = None
-    """ours: where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as
-    candidates in its stead
-    """
-    returns_close_once: bool | None = None
-    """ours: a loop that repeats a confirmed one is `already_closed`: all that matches was made one by it"""
-    neighbours_vouch: bool | None = None
-    """ours: where there are no anchors, or all that agrees hangs in several places, it is a loop if
-    geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop
-    joins them
-    """
     without_anchors: SettingsWithoutAnchors | None = None
     """§V-B: the verdict when either local anchor map is empty, which the paper leaves open (0/0):
     undecided, reject or geometry
@@ -2452,27 +2453,6 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     geometry_landmark_sigma_px: float | None = None
     """ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in
     pixels at any octave; 0 = the letter: keypoints alone scatter
-    """
-    geometry_resection: bool | None = None
-    """ours: where a keyframe's points are farther off in its own image than half of them should be, its
-    camera's pose among them is taken from the image (motion-only bundle adjustment)
-    """
-    geometry_alone_min_inliers: int | None = None
-    """ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where
-    no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a
-    place
-    """
-    rival_min_ratio: float | None = None
-    """ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best
-    candidate that is known to be another place; 0 = off
-    """
-    global_channel: bool | None = None
-    """ours: keyframes whose global descriptors are most like the query's are candidates, too, whatever
-    their words and anchors; every check after that is the same. Without descriptors it changes nothing
-    """
-    twin_guard: bool | None = None
-    """ours: once geometry has verified two keyframes of this map around which different signs hang,
-    geometry alone (without_anchors: geometry) closes no loop in it, while they hang there
     """
     signs_may_change: bool | None = None
     """ours: a sign that three separate passages of a session that has read it had in view and did not see,
