@@ -30,7 +30,6 @@ pub struct LoopAnswer {
     pub verdict: VerdictName,
     /// One sentence for a person: why.
     #[serde(default)]
-    #[schema(required)]
     pub why: String,
     /// The confidence in the best place, 0 to 1; left out under `"method": "paper"`, and where no candidate was weighed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
