@@ -1533,8 +1533,6 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The map's version that was asked."""
     verdict: Verdict
     """The answer."""
-    why: str
-    """One sentence for a person: why."""
     best: str | None
     """The keyframe to close the loop with; null unless the verdict is `loop`."""
     loops: list[str]
@@ -1551,6 +1549,8 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     keyframe: str | None = None
     """The keyframe that was asked about; left out for an inline one."""
+    why: str | None = None
+    """One sentence for a person: why."""
     confidence: float | None = None
     """The confidence in the best place, 0 to 1; left out under `'method': 'paper'`, and where no candidate
     was weighed.

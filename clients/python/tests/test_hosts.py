@@ -108,7 +108,7 @@ def test_rtabmap_gets_a_link_and_the_server_its_confirmation_and_poses(
 ) -> None:
     messages = Messages()
     with running("rtabmap_node", "RevisitRtabmap", server=server.url, map=map_id, name="robot", back="both", robot=3) as (node, executor):
-        client.patch_map(map_id, {"settings": {"without_anchors": "geometry"}})
+        client.patch_map(map_id, {"settings": {"without_anchors": "geometry", "building_repeats": False}})
         count = len(drive.stands)
         for number in range(1, count + 1):
             message = messages.map_data(drive, number)
@@ -314,7 +314,7 @@ def test_with_depth_a_loop_has_an_edge(server: Server, client: Client, map_id: s
     parameters = {"server": server.url, "map": map_id, "session": "s", "text_from": "none", "depth": True, "verify": "geometry"}
     with running("observations_node", "RevisitObservations", settings='{"without_anchors": "geometry"}', **parameters) as (node, executor):
         executor.deliver("camera_info", messages.make("sensor_msgs/msg/CameraInfo", width=WIDTH_PX, height=HEIGHT_PX, k=k))
-        client.patch_map(map_id, {"settings": {"without_anchors": "geometry"}})
+        client.patch_map(map_id, {"settings": {"without_anchors": "geometry", "building_repeats": False}})
         for number, x in enumerate((0.0, 30.0, 60.0)):
             at, header = 100.0 + 10 * number, messages.header(100.0 + 10 * number)
             # Between the two looks at the door: a wall of noise.
