@@ -167,16 +167,6 @@ impl Text {
             && !self.information.is_container_alone
     }
 
-    /// Whether a text of a kind, which its own kind may be or what described it makes of it, may hang in many places: it is
-    /// neither a name with a number, nor a code, nor a description that says enough.
-    pub fn needs_witness(&self, kind: TextKind) -> bool {
-        match kind {
-            TextKind::Name | TextKind::Code => self.own.is_none(),
-            TextKind::Description => !self.is_described(),
-            _ => true,
-        }
-    }
-
     /// Whether it has as many specific words as a description; no dots or window frames are read so.
     pub fn is_described(&self) -> bool {
         self.specific_words().count() >= ENOUGH_SPECIFIC_WORDS

@@ -48,7 +48,7 @@ pub fn repeated_loop(
 }
 
 /// Returns the confirmed loop between the passages of the query and of a candidate.
-pub fn joined_return(index: &MapIndex, query: &Query<'_>, candidate: KeyframeSeq) -> Option<ClosedLoop> {
+fn joined_return(index: &MapIndex, query: &Query<'_>, candidate: KeyframeSeq) -> Option<ClosedLoop> {
     joining_loop(index, &query.centre.covisible, candidate).map(|closed| of_query(query, closed))
 }
 
@@ -59,7 +59,7 @@ fn of_query(query: &Query<'_>, closed: &Loop) -> ClosedLoop {
 }
 
 /// Returns the confirmed loop that joins the passages of the query and of a candidate: somebody knows that it is one place.
-pub fn joining_loop<'m>(
+fn joining_loop<'m>(
     index: &'m MapIndex,
     around_query: &BTreeSet<KeyframeSeq>,
     candidate: KeyframeSeq,

@@ -17,7 +17,6 @@ use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor
 use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::equation_1::similar;
 use crate::recognition::map::index::MapIndex;
-use crate::semantics;
 
 /// Two offsets this near are one, in metres.
 pub(in crate::recognition) const SAME_OFFSET_M: f64 = 1.0;
@@ -92,7 +91,7 @@ impl Companies {
 
 /// Returns the numbered signs around a text, nearest first; none where its own place is a guess.
 fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
-    let at = in_camera(text);
+    let at = text.centre_in_camera();
     if text.range_assumed || libm::hypot(at.x, at.z) < LEAST_HORIZONTAL_M {
         return Vec::new();
     }
@@ -103,7 +102,7 @@ fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
             && !anchor.range_assumed
             && anchor.text.as_ref().is_some_and(|text| text.has_name())
     };
-    let from_text = |sign: &LocalAnchor| in_camera(sign) - at;
+    let from_text = |sign: &LocalAnchor| sign.centre_in_camera() - at;
     let mut signs: Vec<(f64, &LocalAnchor)> =
         around.iter().filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
     signs.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| x.name.cmp(&y.name)));
@@ -120,7 +119,7 @@ fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
 fn differ(index: &MapIndex, a: &[Neighbour], b: &[Neighbour]) -> bool {
     let is_in =
         |sign: &LocalAnchor, company: &[Neighbour]| company.iter().any(|n| alike(index, sign, &n.sign));
-    pairs(a, b).any(|(x, y)| excludes(x, y) && !is_in(x, b) && !is_in(y, a))
+    pairs(a, b).any(|(x, y)| x.excludes(y) && !is_in(x, b) && !is_in(y, a))
 }
 
 /// Whether the same sign stands at the same place in both.
@@ -139,13 +138,4 @@ fn pairs<'n>(
 
 fn alike(index: &MapIndex, a: &LocalAnchor, b: &LocalAnchor) -> bool {
     similar(a, b, index.texts(), &index.properties().settings).is_some()
-}
-
-fn excludes(a: &LocalAnchor, b: &LocalAnchor) -> bool {
-    let texts = a.text.as_deref().zip(b.text.as_deref());
-    a.class == b.class && texts.is_some_and(|(a, b)| semantics::is_conflict(a, b))
-}
-
-fn in_camera(anchor: &LocalAnchor) -> Vector3<f64> {
-    Vector3::from(anchor.bearing.direction_in_camera()) * anchor.bearing.distance_m()
 }

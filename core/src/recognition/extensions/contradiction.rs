@@ -41,13 +41,8 @@ pub fn contradict<'a>(
 ) -> Vec<Contradiction<'a>> {
     let contradicting = edges(query.len(), candidate.len(), |i, j| {
         let (a, b) = (query[i], candidate[j]);
-        (same_place(a, b) && differ(a, b)).then_some(a.weight + b.weight)
+        (same_place(a, b) && a.excludes(b)).then_some(a.weight + b.weight)
     });
     let pairs = assign(&contradicting);
     pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
-}
-
-fn differ(a: &LocalAnchor, b: &LocalAnchor) -> bool {
-    let (Some(of_a), Some(of_b)) = (a.text.as_deref(), b.text.as_deref()) else { return false };
-    a.class == b.class && semantics::is_conflict(of_a, of_b)
 }

@@ -46,8 +46,6 @@ pub struct WorstCase {
     pub awaited: usize,
     /// S of Eq. (2), with each of them valid and matched by nothing.
     pub similarity: f64,
-    /// The weight of all that contradicts, with each of them contradicting the heaviest that it could.
-    pub contradicting_weight: f64,
 }
 
 /// Returns what two places that agree may come to once every crop around them is described; `None` if none waits.
@@ -59,37 +57,15 @@ pub fn worst_case(
     candidate: &LocalAnchorMap,
     comparison: &Comparison<'_>,
 ) -> Option<WorstCase> {
-    let settings = &index.properties().settings;
-    let awaited = |map: &'_ LocalAnchorMap| -> Vec<LocalAnchor> {
-        map.anchors.iter().filter(|anchor| is_awaited(index, anchor)).cloned().collect()
-    };
-    let (of_query, of_candidate) = (awaited(query), awaited(candidate));
-    let waiting = of_query.len() + of_candidate.len();
-    if waiting == 0 {
+    let waiting =
+        || query.anchors.iter().chain(&candidate.anchors).filter(|anchor| is_awaited(index, anchor));
+    let awaited = waiting().count();
+    if awaited == 0 {
         return None;
     }
-    let weight = |anchors: &[LocalAnchor]| anchors.iter().fold(0.0, |sum, anchor| sum + anchor.weight);
-    let total = comparison.total_weight + weight(&of_query) + weight(&of_candidate);
-    // The heaviest that one of these could contradict among those.
-    let against = |these: &[LocalAnchor], those: &[&LocalAnchor]| {
-        these.iter().fold(0.0, |sum, a| {
-            let meets = |b: &&&LocalAnchor| b.class == a.class && same_relative_place(a, b, settings);
-            let heaviest = those.iter().filter(meets).map(|b| b.weight).max_by(f64::total_cmp);
-            sum + heaviest.map_or(0.0, |heaviest| heaviest + a.weight)
-        })
-    };
-    let contradicting_weight = if settings.is_ours() {
-        let also_waiting = of_candidate.iter();
-        let in_candidate: Vec<&LocalAnchor> =
-            comparison.unmatched_of_candidate.iter().copied().chain(also_waiting).collect();
-        comparison.contradicting_weight()
-            + against(&of_query, &in_candidate)
-            + against(&of_candidate, &comparison.unmatched_of_query)
-    } else {
-        0.0
-    };
+    let total = waiting().fold(comparison.total_weight, |sum, anchor| sum + anchor.weight);
     let similarity = equation_2::similarity(comparison.agreeing_weight(), total);
-    Some(WorstCase { awaited: waiting, similarity, contradicting_weight })
+    Some(WorstCase { awaited, similarity })
 }
 
 /// Whether nothing has described this anchor, and there is a crop that a model has not looked at.

@@ -13,7 +13,7 @@ use crate::domain::verdict::AnchorName;
 use crate::geometry::{Bearing, Point3};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::{Certainty, MapIndex, TextId};
-use crate::semantics::{Text, TextKind};
+use crate::semantics::{self, Text, TextKind};
 
 /// Which anchor an entry of a local map is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +67,17 @@ pub struct LocalAnchor {
 }
 
 impl LocalAnchor {
+    /// Whether the two are of one class and their names exclude each other.
+    pub fn excludes(&self, other: &Self) -> bool {
+        let texts = self.text.as_deref().zip(other.text.as_deref());
+        self.class == other.class && texts.is_some_and(|(own, other)| semantics::is_conflict(own, other))
+    }
+
+    /// Returns its centre in the frame of the central keyframe's camera, in metres.
+    pub fn centre_in_camera(&self) -> Point3 {
+        Point3::from(self.bearing.direction_in_camera().map(|axis| axis * self.bearing.distance_m()))
+    }
+
     /// Whether the distances of both were measured, so that these may be compared.
     pub fn is_measured_with(&self, other: &Self) -> bool {
         !(self.range_assumed || other.range_assumed)

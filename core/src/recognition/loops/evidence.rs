@@ -163,22 +163,23 @@ pub(in crate::recognition) fn pending(comparison: &Comparison<'_>, code: ReasonC
 }
 
 pub(in crate::recognition) fn awaited(worst: &WorstCase, code: ReasonCode) -> Reason {
-    let detail = format!(
-        "not described yet: {}; at worst S would be {:.3}, and {:.3} would contradict",
-        counted(worst.awaited, "crop"),
-        worst.similarity,
-        worst.contradicting_weight
-    );
+    let crops = counted(worst.awaited, "crop");
+    let detail = format!("not described yet: {crops}; at worst S would be {:.3}", worst.similarity);
     Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }
 }
 
 pub(in crate::recognition) fn no_anchors(comparison: &Comparison<'_>) -> Reason {
-    let detail = match (comparison.in_query, comparison.in_candidate) {
+    let detail = which_has_no_anchors(comparison.in_query, comparison.in_candidate).to_owned();
+    Reason { code: ReasonCode::NoAnchors, measured: Some(0.0), limit: Some(1.0), detail }
+}
+
+/// Says which of two local anchor maps is empty.
+pub(in crate::recognition) fn which_has_no_anchors(in_query: usize, in_candidate: usize) -> &'static str {
+    match (in_query, in_candidate) {
         (0, 0) => "neither keyframe has a described anchor around it",
         (0, _) => "the query has no described anchor around it",
         _ => "the candidate has no described anchor around it",
-    };
-    Reason { code: ReasonCode::NoAnchors, measured: Some(0.0), limit: Some(1.0), detail: detail.to_owned() }
+    }
 }
 
 pub(in crate::recognition) fn geometry_missing(missing: &str) -> Reason {

@@ -10,7 +10,7 @@ use super::features::MatchableFeatures;
 use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::{Camera, NewKeyframe};
-use crate::geometry::{Point3, Pose, Sim3};
+use crate::geometry::{Point3, Pose};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::Landmark;
 
@@ -34,12 +34,6 @@ pub struct GeometrySnapshot {
 }
 
 impl GeometrySnapshot {
-    /// Returns the session, and where in its frame a transformation puts a query.
-    pub fn place(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Point3)> {
-        let in_camera = Point3::from(candidate_from_query.translation_m());
-        Some((self.session?, self.session_from_camera.transform(&in_camera)))
-    }
-
     /// Of a keyframe of the map, with its window; `None` if its client did not tell the camera.
     pub fn stored(index: &MapIndex, seq: KeyframeSeq) -> Option<Self> {
         let keyframe = index.keyframe(seq)?;

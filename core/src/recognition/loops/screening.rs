@@ -35,7 +35,7 @@ pub struct PreVerified {
     pub stage: Stage,
     /// Other keyframes of its place, covisible with it, that passed the anchors: they are looked at where it is a near miss.
     pub neighbours: Vec<PreVerified>,
-    /// How an identifier is known that matches and was not merely tracked through this same passage.
+    /// The way in which an identifier is known that matches and was not merely tracked through this same passage.
     pub identifier: Returning,
     /// The bet on it; none under the paper's method.
     pub bet: Option<Bet>,

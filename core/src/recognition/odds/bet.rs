@@ -29,7 +29,7 @@ pub enum Metres {
     OfSigns,
 }
 
-/// What is known of a candidate before geometry looks at it.
+/// The knowledge of a candidate before geometry looks at it.
 #[derive(Clone, Debug)]
 pub struct Bet {
     /// Names around the two.
@@ -48,7 +48,7 @@ pub struct Bet {
     pub unread: usize,
     /// Anchors around the two that nothing has described yet, where they may be one; else 0.
     pub pending: usize,
-    /// What descriptions wait for.
+    /// The reason why descriptions are missing.
     pub missing: ReasonCode,
 }
 

@@ -9,7 +9,7 @@ use crate::domain::settings::{Settings, WithoutAnchors};
 use crate::domain::verdict::{
     Candidate, CandidateDecision, EvidenceKind, GeometryStatus, Odds, Reason, ReasonCode, Verify,
 };
-use crate::recognition::loops::evidence::geometry_missing;
+use crate::recognition::loops::evidence::{geometry_missing, which_has_no_anchors};
 
 /// Decides on a candidate by the sum of its evidence.
 pub fn conclude(candidate: &mut Candidate, sum: &Sum, bet: &Bet, verify: Verify, settings: &Settings) {
@@ -135,11 +135,7 @@ fn reason(candidate: &Candidate, sum: &Sum, bet: &Bet, settings: &Settings) -> R
     if has_no_anchors(candidate) {
         let (in_query, in_candidate) =
             candidate.anchors.as_ref().map_or((0, 0), |anchors| (anchors.in_query, anchors.in_candidate));
-        let detail = match (in_query, in_candidate) {
-            (0, 0) => "neither keyframe has a described anchor around it",
-            (0, _) => "the query has no described anchor around it",
-            _ => "the candidate has no described anchor around it",
-        };
+        let detail = which_has_no_anchors(in_query, in_candidate);
         return of(ReasonCode::NoAnchors, detail.to_owned());
     }
     of(ReasonCode::TooLittleEvidence, String::from("nothing that is read in one is read in the other"))

@@ -35,7 +35,7 @@ pub struct NamePair {
     pub candidate: LocalAnchor,
     /// In how many places the name hangs, were the two one sign.
     pub places: usize,
-    /// How the two keyframes know it: themselves, by their local anchor maps, or, `No`, by the drive alone.
+    /// The way in which the two keyframes know it: themselves, by their local anchor maps, or, `No`, by the drive alone.
     pub known: Returning,
 }
 
@@ -78,7 +78,8 @@ impl NamePair {
         let far_m = a.distance_m().min(b.distance_m()) * FAR_SHARE;
         let limit_m = least_m.max(far_m);
         if let Some(transform) = transform.filter(|_| self.is_measured()) {
-            return (transform.transform(&in_camera(&self.query)) - in_camera(&self.candidate)).norm()
+            return (transform.transform(&self.query.centre_in_camera()) - self.candidate.centre_in_camera())
+                .norm()
                 / limit_m;
         }
         let turned = a.angle_difference_rad(b) / settings.anchor_map_max_angle_difference_rad;
@@ -93,7 +94,7 @@ impl Spots<'_> {
     pub fn cameras_apart_m(&self) -> Option<(f64, f64)> {
         let measured = self.agreeing.iter().filter(|pair| pair.is_measured());
         let points: Vec<(Point3, Point3)> =
-            measured.map(|pair| (in_camera(&pair.query), in_camera(&pair.candidate))).collect();
+            measured.map(|pair| (pair.query.centre_in_camera(), pair.candidate.centre_in_camera())).collect();
         let (first, _) = points.first()?;
         let extent_m = points.iter().map(|(point, _)| (point - first).norm()).fold(0.0, f64::max);
         let down = Vector3::y();
@@ -140,7 +141,7 @@ impl Names {
         only_candidate.truncate(DIFFERING_MAX);
         let strange = strange(&only_query, &only_candidate, [&of_query, &of_candidate]);
         let excluding = only_query.iter().flat_map(|a| {
-            only_candidate.iter().filter(|b| exclude(a, b)).map(|b| NamePair {
+            only_candidate.iter().filter(|b| a.excludes(b)).map(|b| NamePair {
                 query: (*a).clone(),
                 candidate: (*b).clone(),
                 places: 1,
@@ -192,7 +193,7 @@ fn strange(
         let others = &others[..others.len().min(DIFFERING_MAX)];
         let is_strange = |sign: &LocalAnchor| {
             let mut of_class = others.iter().filter(|other| other.class == sign.class).peekable();
-            of_class.peek().is_some() && of_class.all(|other| exclude(sign, other))
+            of_class.peek().is_some() && of_class.all(|other| sign.excludes(other))
         };
         let mut is_new =
             |sign: &LocalAnchor| known.insert(sign.text.as_ref().map(|text| text.gist().to_owned()));
@@ -227,15 +228,4 @@ fn at_one_spot(pairs: &[NamePair], deviation: impl Fn(&NamePair) -> Option<f64>)
         }
     }
     kept
-}
-
-fn exclude(a: &LocalAnchor, b: &LocalAnchor) -> bool {
-    let texts = a.text.as_deref().zip(b.text.as_deref());
-    a.class == b.class && texts.is_some_and(|(a, b)| semantics::is_conflict(a, b))
-}
-
-fn in_camera(sign: &LocalAnchor) -> Point3 {
-    let [x, y, z] = sign.bearing.direction_in_camera();
-    let d = sign.bearing.distance_m();
-    Point3::new(x * d, y * d, z * d)
 }

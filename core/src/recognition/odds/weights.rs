@@ -18,7 +18,7 @@ pub const DISPLACED_BY_BEARING: LogOdds = LogOdds::of_thousandths(-1_000);
 /// A name on either side that excludes all names of its class on the other: a place is read a second time with half of its
 /// names, and another place with none.
 pub const STRANGE_NAMES: LogOdds = LogOdds::of_thousandths(-700);
-/// Where nothing repeats, a view that geometry on map points verifies.
+/// A view that geometry on map points verifies, where nothing repeats.
 pub const VIEW_THAT_DOES_NOT_REPEAT: LogOdds = LogOdds::of_thousandths(6_000);
 /// A description that says enough.
 pub const DESCRIPTION: LogOdds = LogOdds::of_thousandths(1_500);
@@ -40,7 +40,7 @@ pub const HERE: LogOdds = LogOdds::of_thousandths(6_900);
 pub const NEAR: LogOdds = LogOdds::of_thousandths(4_000);
 /// Odometry has the robot elsewhere.
 pub const ELSEWHERE: LogOdds = LogOdds::of_thousandths(-6_000);
-/// What a copy of the place would share proves no more than this: one place in three has a copy.
+/// All that a copy of the place would share proves no more than this: one place in three has a copy.
 pub const NO_COPY: LogOdds = LogOdds::of_thousandths(700);
 /// A crop that nobody has read yet may turn out to contradict.
 pub const UNREAD: LogOdds = LogOdds::of_thousandths(-4_700);

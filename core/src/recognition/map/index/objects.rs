@@ -34,7 +34,7 @@ pub enum Certainty {
     ReadOnce,
     /// It was read alike twice or more; in one passage, one bad angle misreads the same way twice.
     ReadAlike,
-    /// It was described by a model or by hand, or read alike in two passages.
+    /// It was described by a model or by hand.
     Sure,
 }
 
