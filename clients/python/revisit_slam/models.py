@@ -142,6 +142,8 @@ class EvidenceKind(OpenEnum):
     """At one spot two names are read that exclude each other."""
     STRANGE_NAMES = "strange_names"
     """Around the one and around the other names are read that the other has not, wherever they hang."""
+    ABSENT = "absent"
+    """Signs of the query that nobody read at the candidate."""
     DISPLACED_NAME = "displaced_name"
     """A name is read here and there, and would hang in two places."""
     TEXTS = "texts"

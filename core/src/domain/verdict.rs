@@ -168,6 +168,8 @@ named! {
         OtherName = "other_name",
         /// Around the one and around the other names are read that the other has not, wherever they hang.
         StrangeNames = "strange_names",
+        /// Signs of the query that nobody read at the candidate.
+        Absent = "absent",
         /// A name is read here and there, and would hang in two places.
         DisplacedName = "displaced_name",
         /// Pictures, notices and other texts agree. A copy of the place would show them, too.

@@ -27,6 +27,11 @@ const LOOP: (CandidateDecision, Option<ReasonCode>) = (CandidateDecision::Loop, 
 /// A name that is read here and there.
 const NAME: (EvidenceKind, LogOdds) = (Name, weights::NAME);
 
+/// Signs of the query that the candidate lacks.
+fn absent(signs: usize) -> (EvidenceKind, LogOdds) {
+    (EvidenceKind::Absent, weights::ABSENT * signs)
+}
+
 const fn undecided(reason: ReasonCode) -> (CandidateDecision, Option<ReasonCode>) {
     (CandidateDecision::Undecided, Some(reason))
 }
@@ -82,6 +87,25 @@ fn one_sure_plate_is_a_loop_and_what_a_copy_of_the_place_would_show_is_none() {
     );
     let floor = [sign("Library Corner, level 5")];
     check("a floor is no own number", &floor, &[(Texts, weights::TEXT)], a_copy_shows_it);
+}
+
+#[test]
+fn a_plate_alone_among_signs_that_the_place_lacks_is_no_loop() {
+    let settings = Settings::default();
+    let plate = || door("901", [0.0, 0.0, 1.0]);
+    let notices = ["Be Updated", "Library Corner", "Faculty Club", "Career Centre"];
+    for (missing, decision) in [(1, LOOP), (3, LOOP), (4, undecided(ReasonCode::TooLittleEvidence))] {
+        let signs = || {
+            let notices = notices[..missing].iter().enumerate();
+            let placed = notices.map(|(at, text)| sign(text).at([at as f64, 1.0, 3.0]));
+            placed.chain([plate()]).collect::<Vec<_>>()
+        };
+        let found = compared(&settings, signs(), vec![plate()]);
+        is_told(&format!("{missing} only in the query"), &found, &[NAME, absent(missing)], decision);
+        // The place may have been read from farther away: its own signs that the query lacks say nothing.
+        let found = compared(&settings, vec![plate()], signs());
+        is_told(&format!("{missing} only in the candidate"), &found, &[NAME], LOOP);
+    }
 }
 
 #[test]
@@ -216,7 +240,7 @@ fn two_places_that_agree_by_different_names_leave_the_answer_open() {
         is_told(
             "a rival",
             candidate,
-            &[NAME, (EvidenceKind::Rival, -weights::NAME)],
+            &[NAME, absent(1), (EvidenceKind::Rival, -(weights::NAME + weights::ABSENT))],
             undecided(ReasonCode::AmbiguousPlaces),
         );
     }
@@ -227,7 +251,7 @@ fn two_places_that_agree_by_different_names_leave_the_answer_open() {
     three.put("third", keyframe().session("third").sees([sights("907", -2.0), sights("909", -4.0)].concat()));
     let rival = (EvidenceKind::Rival, -weights::HERE);
     let open = undecided(ReasonCode::AmbiguousPlaces);
-    is_told("the strongest", &three.compare("query-of-four", "one"), &[NAME, rival], open);
+    is_told("the strongest", &three.compare("query-of-four", "one"), &[NAME, absent(3), rival], open);
     // Somebody knows that the two are one place.
     scene.close("l-1", "other", "one");
     assert_eq!(ids(&scene.ask("query").loops), ["one"]);

@@ -78,6 +78,13 @@ pub(super) const ODDS: &[Constant] = &[
         "ours: log-odds of a name on either side that the other side has not",
     ),
     constant(
+        "odds.absent",
+        weights::ABSENT.natural(),
+        "1",
+        "ours: log-odds of a sign of the query that nobody read at the candidate",
+    ),
+    constant("odds.absent_max", weights::ABSENT_MAX.natural(), "1", "ours: of all such signs together"),
+    constant(
         "odds.displaced",
         weights::DISPLACED.natural(),
         "1",

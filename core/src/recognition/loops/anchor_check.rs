@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::anchor_map::{LocalAnchor, LocalAnchorMap, local_anchor_map};
+use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
 use super::centre::Centre;
 use super::comparison::{Comparison, Matched, compare, matched};
 use super::evidence;
@@ -198,10 +198,16 @@ impl<'a> AnchorCheck<'a> {
         let path = path.and_then(|query| TrackedPath::between(index, query, keyframe)).map(|path| {
             (path, (query.centre.map_from_camera.centre() - centre.map_from_camera.centre()).norm())
         });
+        let known: Vec<LocalName> = names.alike.iter().map(|pair| pair.query.name).collect();
+        let strange: Vec<LocalName> = names.strange.iter().map(|(query, _)| *query).collect();
+        let absent = comparison.unmatched_of_query.iter().map(|sign| sign.name);
+        let absent = absent.filter(|name| !known.contains(name) && !strange.contains(name));
+        let absent = absent.map(LocalName::public).collect();
         let unread = if self.reads() { awaited(index, &self.around, around) } else { 0 };
         Bet {
             names,
             texts: texts.collect(),
+            absent,
             path,
             is_here: self.is_here(keyframe),
             is_tracked_only: !comparison.matches.is_empty() && comparison.matches.iter().all(tracked),

@@ -36,6 +36,8 @@ pub struct Bet {
     pub names: Names,
     /// Other texts that agree, and were not tracked from one to the other.
     pub texts: Vec<TextPair>,
+    /// Signs of the query's local anchor map that nobody read around the candidate.
+    pub absent: Vec<AnchorName>,
     /// The unbroken way between the two, and how far apart odometry has them, in metres.
     pub path: Option<(TrackedPath, f64)>,
     /// Whether the query's session has the two at one place.

@@ -89,6 +89,10 @@ fn reason(candidate: &Candidate, sum: &Sum, bet: &Bet, settings: &Settings) -> R
             EvidenceKind::DisplacedName => {
                 of(ReasonCode::AnchorsDisplaced, format!("{} would hang in two places", term.about))
             }
+            EvidenceKind::Absent => of(
+                ReasonCode::TooLittleEvidence,
+                format!("{} of the query that nobody read there", term.about),
+            ),
             EvidenceKind::StrangeNames => {
                 of(ReasonCode::Contradiction, format!("{} around either that the other has not", term.about))
             }

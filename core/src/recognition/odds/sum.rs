@@ -115,6 +115,9 @@ impl Bet {
             let about = String::from("a copy of the place would show the same");
             sum.add(EvidenceKind::Copy, Vec::new(), about, weights::NO_COPY - shared);
         }
+        if view.is_none() {
+            self.add_absent(&mut sum, &spots);
+        }
         add_no_view(&mut sum, view, self.names.alike.iter().any(|pair| pair.known == Returning::InView));
         if self.metres > Metres::None && settings.building_repeats {
             let width_m = PLACE_WIDTHS * settings.anchor_map_max_distance_difference_m;
@@ -169,6 +172,20 @@ impl Bet {
                 sum.add_names(EvidenceKind::DisplacedName, &[*first], |_| weights::DISPLACED_BY_BEARING);
             }
             (false, []) => {}
+        }
+    }
+
+    /// Adds the signs of the query that the candidate lacks, where geometry could not compare the views themselves.
+    fn add_absent(&self, sum: &mut Sum, spots: &Spots<'_>) {
+        if sum.agreeing.is_empty() {
+            return;
+        }
+        let differing: Vec<AnchorName> =
+            spots.differing.iter().map(|pair| pair.query.name.public()).collect();
+        let absent: Vec<&AnchorName> = self.absent.iter().filter(|sign| !differing.contains(sign)).collect();
+        if !absent.is_empty() {
+            let weight = (weights::ABSENT * absent.len()).max(weights::ABSENT_MAX);
+            sum.add(EvidenceKind::Absent, Vec::new(), counted(absent.len(), "sign"), weight);
         }
     }
 

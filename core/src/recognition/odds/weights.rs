@@ -18,6 +18,10 @@ pub const DISPLACED_BY_BEARING: LogOdds = LogOdds::of_thousandths(-1_000);
 /// A name on either side that excludes all names of its class on the other: a place is read a second time with half of its
 /// names, and another place with none.
 pub const STRANGE_NAMES: LogOdds = LogOdds::of_thousandths(-700);
+/// A sign around the query that nobody read around the candidate: of five that hang at both, a reader misses one.
+pub const ABSENT: LogOdds = LogOdds::of_thousandths(-200);
+/// All such signs together.
+pub const ABSENT_MAX: LogOdds = LogOdds::of_thousandths(-1_000);
 /// A view that geometry on map points verifies, where nothing repeats.
 pub const VIEW_THAT_DOES_NOT_REPEAT: LogOdds = LogOdds::of_thousandths(6_000);
 /// A description that says enough.
