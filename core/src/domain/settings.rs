@@ -140,9 +140,7 @@ settings! {
     covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000, "1" }, OrbSlam,
         "keyframes of a session that share at least this many map points are covisible";
     covisibility_max_way_m: f64 = Number { 3.0, 0.0, 1e6, "m"; paper: 0.0 }, Ours,
-        "a keyframe without map points and without `covisible` is covisible with the keyframes of its session to which the robot drove no farther, in metres; 0 joins none";
-    covisibility_max_gap_s: f64 = Number { 20.0, 0.0, 1e9, "s" }, Ours,
-        "and that were taken no longer before or after it, by their clock, in seconds";
+        "a keyframe without map points and without `covisible` is covisible with the keyframes of its session to which the robot drove no farther, in metres, within 20 s by their clock; 0 joins none";
     description_min_information_level: u32 = Count { 4, 1, 5, "1" }, Paper("§IV-B"),
         "an anchor is valid when its description's InformationLevel is no smaller";
     description_min_crop_area_px: f64 = Number { 256.0, 0.0, 1e9, "px^2" }, Paper("§IV-B"),
@@ -163,8 +161,6 @@ settings! {
         "matching anchors differ by less than this in distance, in metres";
     anchor_map_min_similarity: f64 = Number { 0.3, 0.0, 1000.0, "1"; paper: 0.3 }, Paper("§V-B"),
         "two local anchor maps match when S of Eq. (2) is greater";
-    anchor_map_min_distance_m: f64 = Number { 0.1, 1e-6, 1000.0, "m" }, Paper("§V-B"),
-        "bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres";
     distinctive_place_radius_m: f64 = Number { 3.0, 0.0, 1e6, "m" }, Ours,
         "anchors farther apart than this stand in different places, in metres";
     reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0, "1"; paper: 0.0 }, Ours,
@@ -175,8 +171,6 @@ settings! {
         "learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
     odometry_max_drift_share: f64 = Number { 0.05, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
         "along an unbroken chain of a session's keyframes odometry is off by at most this share of the way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 = off";
-    odometry_slack_m: f64 = Number { 1.0, 0.0, 1e6, "m" }, Ours,
-        "how far a transformation may be off odometry on any way, in metres";
     without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided }, Paper("§V-B"),
         "the verdict when either local anchor map is empty, which the paper leaves open (0/0): undecided, reject or geometry";
     association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0, "m" }, Ours,

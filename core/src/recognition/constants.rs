@@ -13,7 +13,8 @@ mod plans;
 
 use super::anchors::{find_description_tasks, near_in_meaning, pairs};
 use super::extensions::{company, distinctiveness, tracked_path, twins};
-use super::loops::{candidates, decision, fusion};
+use super::loops::{anchor_map, candidates, decision, fusion};
+use super::map::index;
 use super::verification::{resection, similarity};
 pub use constant::Constant;
 use constant::constant;
@@ -37,6 +38,25 @@ pub fn constants() -> impl Iterator<Item = &'static Constant> {
 }
 
 const ANCHORS: &[Constant] = &[
+    // What is near, and what it weighs.
+    constant(
+        "covisibility.max_gap_s",
+        index::MAX_GAP_S,
+        "s",
+        "ours: neighbours along the drive were taken no longer before or after it, by their clock",
+    ),
+    constant(
+        "anchor_map.min_distance_m",
+        anchor_map::LEAST_DISTANCE_M,
+        "m",
+        "ours: a nearer anchor weighs as if it stood at this distance",
+    ),
+    constant(
+        "odometry.slack_m",
+        tracked_path::SLACK_M,
+        "m",
+        "ours: a transformation may be off odometry by this on any way",
+    ),
     // What is read.
     constant(
         "numbering.values",

@@ -83,15 +83,10 @@ fn where_an_anchor_stands_is_the_centre_of_its_box() {
 
 #[test]
 fn the_weight_is_one_over_the_distance_bounded_by_the_least_distance() {
-    // (distance, weight with the default bound 0.1, weight with the bound 1)
-    for (distance_m, weight, bounded) in
-        [(4.0, 0.25, 0.25), (0.5, 2.0, 1.0), (0.1, 10.0, 1.0), (0.05, 10.0, 1.0), (0.0, 10.0, 1.0)]
-    {
+    for (distance_m, weight) in [(4.0, 0.25), (0.5, 2.0), (0.1, 10.0), (0.05, 10.0), (0.0, 10.0)] {
         let mut scene = Scene::new();
         scene.put("kf-1", keyframe().sees([door("901", [0.0, 0.0, distance_m])]));
         close_to("weight", scene.local_map("kf-1")[0].weight, weight);
-        scene.set(|settings| settings.anchor_map_min_distance_m = 1.0);
-        close_to("bounded", scene.local_map("kf-1")[0].weight, bounded);
     }
 }
 

@@ -269,16 +269,19 @@ async fn classes(db: &mut Connection, key: MapKey, list: &str) -> Result<Vec<Str
 }
 
 /// Settings of earlier versions, which decide nothing any more: rows of them are passed over.
-const FORMER_SETTINGS: [&str; 16] = [
+const FORMER_SETTINGS: [&str; 19] = [
     "aligned_anchors",
+    "anchor_map_min_distance_m",
     "company",
     "contradiction_veto",
+    "covisibility_max_gap_s",
     "distinctive_weights",
     "geometry_alone_min_inliers",
     "geometry_resection",
     "global_channel",
     "near_miss_neighbours",
     "neighbours_vouch",
+    "odometry_slack_m",
     "one_to_one",
     "returns_close_once",
     "rival_min_ratio",

@@ -45,6 +45,9 @@ pub enum Discrepancy {
     },
 }
 
+/// A transformation may be off odometry by this on any way, in metres.
+pub(in crate::recognition) const SLACK_M: f64 = 1.0;
+
 /// Returns how far off odometry may be after a way, in metres; `at_rest_m` where nothing was driven.
 pub fn drift_m(way_m: f64, at_rest_m: f64, settings: &Settings) -> f64 {
     settings.odometry_max_drift_share.mul_add(way_m, at_rest_m)
@@ -69,7 +72,7 @@ impl TrackedPath {
     ) -> Option<Self> {
         let settings = &index.properties().settings;
         let metres = |way_um: u64| way_um as f64 / UM_PER_M;
-        let is_short = |way_um| drift_m(metres(way_um), settings.odometry_slack_m, settings) <= most_m;
+        let is_short = |way_um| drift_m(metres(way_um), SLACK_M, settings) <= most_m;
         let length_m = metres(way_by_loops_um(index, query, candidate, is_short)?);
         let (query, candidate) = (index.keyframe(query)?, index.keyframe(candidate)?);
         let candidate_from_query = candidate.map_from_camera.inverse().after(&query.map_from_camera);
@@ -81,7 +84,7 @@ impl TrackedPath {
         let odometry = self.candidate_from_query.isometry();
         let [x, y, z] = candidate_from_query.translation_m();
         let off = (Vector3::new(x, y, z) - odometry.translation.vector).norm();
-        let limit = drift_m(self.length_m, settings.odometry_slack_m, settings);
+        let limit = drift_m(self.length_m, SLACK_M, settings);
         if off > limit {
             return Some(Discrepancy::Metres { off, limit });
         }

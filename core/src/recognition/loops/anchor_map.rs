@@ -155,7 +155,7 @@ pub(in crate::recognition) fn stored_anchor(
         centre_in_session,
         bearing,
         range_assumed,
-        weight: weight(index, &bearing, range_assumed, places),
+        weight: weight(&bearing, range_assumed, places),
         places,
     })
 }
@@ -201,19 +201,21 @@ fn inline_anchor(
         centre_in_session: inline.centre_in_session,
         bearing,
         range_assumed: inline.range_assumed,
-        weight: weight(index, &bearing, inline.range_assumed, places),
+        weight: weight(&bearing, inline.range_assumed, places),
         places,
     }
 }
 
+/// A nearer anchor weighs as if it stood at this distance, in metres (M30).
+pub(in crate::recognition) const LEAST_DISTANCE_M: f64 = 0.1;
+
 /// 1/d of §V-B, bounded by the least distance, and 1 where d was assumed (M26); divided by p with distinctive
 /// weights (M6).
-fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usize) -> f64 {
+fn weight(bearing: &Bearing, range_assumed: bool, places: usize) -> f64 {
     if range_assumed {
         return 1.0 / places as f64;
     }
-    let least_m = index.properties().settings.anchor_map_min_distance_m;
-    1.0 / bearing.distance_m().max(least_m) / places as f64
+    1.0 / bearing.distance_m().max(LEAST_DISTANCE_M) / places as f64
 }
 
 /// p of M6, counted only if the map's settings ask for it.

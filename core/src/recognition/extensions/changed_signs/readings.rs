@@ -3,6 +3,7 @@
 use crate::domain::anchor::Observation;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
+use crate::recognition::extensions::tracked_path::SLACK_M;
 use crate::recognition::map::index::{Anchor, MapIndex, MergedAnchor};
 use crate::semantics::{self, Text};
 
@@ -25,7 +26,7 @@ pub(super) fn reads_alike(
     keyframe: KeyframeSeq,
 ) -> bool {
     let settings = &index.properties().settings;
-    let near_m = settings.association_position_radius_m + settings.odometry_slack_m;
+    let near_m = settings.association_position_radius_m + SLACK_M;
     let centre = object.aabb(session).map(|aabb| aabb.centre());
     sightings(index, object, keyframe).any(|sighting| {
         let is_itself = object.members.contains(&sighting.seq);

@@ -17,6 +17,8 @@ use crate::geometry::Point3;
 
 /// The most neighbours on either side: what is asked of a keyframe costs no more where a client sends each frame.
 const NEIGHBOURS_MAX: usize = 64;
+/// Neighbours were taken no longer before or after a keyframe, by their clock, in seconds.
+pub(in crate::recognition) const MAX_GAP_S: f64 = 20.0;
 
 /// The covisibility that a client told of a keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +88,7 @@ impl MapIndex {
         let Some((of_a, of_b)) = self.keyframe(a).zip(self.keyframe(b)) else { return false };
         of_a.session == of_b.session
             && Links::of_stored(of_a).joins(Links::of_stored(of_b))
-            && of_a.stamp.gap_s(of_b.stamp) <= self.properties.settings.covisibility_max_gap_s
+            && of_a.stamp.gap_s(of_b.stamp) <= MAX_GAP_S
             && self.along_drive(a).binary_search(&b).is_ok()
     }
 
@@ -123,8 +125,7 @@ impl MapIndex {
             let centre = other.map_from_camera.centre();
             way_um = way_um.saturating_add(step_length_um(at, centre));
             at = centre;
-            let is_near =
-                way_um <= most_um && own.stamp.gap_s(other.stamp) <= settings.covisibility_max_gap_s;
+            let is_near = way_um <= most_um && own.stamp.gap_s(other.stamp) <= MAX_GAP_S;
             is_near.then_some(other)
         });
         reached.filter(|other| own.links.joins(Links::of_stored(other))).map(|other| other.seq).collect()

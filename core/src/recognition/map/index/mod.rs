@@ -31,6 +31,7 @@ mod verdicts;
 mod votes;
 mod way;
 
+pub(in crate::recognition) use along_drive::MAX_GAP_S;
 pub use anchor::{Anchor, Shape};
 pub use changed_signs::ChangedSigns;
 pub use covisibility::Covisibility;
