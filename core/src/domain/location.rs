@@ -6,7 +6,7 @@ use super::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use super::key::MapPattern;
 use super::keyframe::NewKeyframe;
 use super::reason::Reason;
-use super::verdict::Candidate;
+use super::verdict::{Candidate, Odds};
 use crate::geometry::{Point3, Pose};
 use crate::named::named;
 
@@ -137,8 +137,8 @@ pub struct Place {
     pub session: SessionId,
     /// Its standing in the answer.
     pub verdict: LocationVerdict,
-    /// The confidence that the camera is here, 0 to 1.
-    pub confidence: f64,
+    /// The odds that the camera is here.
+    pub odds: Odds,
     /// The camera's pose in the session's frame, where the evidence gives one.
     pub pose: Option<LocatedPose>,
     /// The same in the frame of the plan to which the session is aligned.
@@ -169,6 +169,8 @@ pub struct LookFor {
 pub struct Location {
     /// The answer.
     pub verdict: LocationVerdict,
+    /// Why, in one sentence.
+    pub why: String,
     /// The confidence in the first place; 0 without any.
     pub confidence: f64,
     /// The places, best first.

@@ -2,8 +2,9 @@
 
 use super::constant::{Constant, constant};
 use crate::recognition::locate::{
-    anchor_pose, confidence, explained_cells, likeness, map_search, places, pose, selection, sighted_anchor,
+    anchor_pose, answer, explained_cells, likeness, map_search, places, pose, selection, sighted_anchor,
 };
+use crate::recognition::odds::weights;
 
 /// Rule by rule, in the order in which a question meets them.
 pub(super) const LOCATE: &[Constant] = &[
@@ -63,31 +64,19 @@ pub(super) const LOCATE: &[Constant] = &[
     ),
     constant(
         "locate.even_cells",
-        confidence::EVEN_CELLS,
+        weights::EVEN_CELLS,
         "1",
         "ours: cells that a place explains and its rival does not, at which the two are as likely as not",
     ),
     constant(
         "locate.cells_per_log_odds",
-        confidence::CELLS_PER_LOG_ODDS,
+        weights::CELLS_PER_LOG_ODDS,
         "1",
         "ours: such cells that multiply the odds by e",
     ),
     constant(
-        "locate.sign_log_odds",
-        confidence::SIGN_LOG_ODDS,
-        "1",
-        "ours: log-odds of an identifier that agrees and hangs in one place only",
-    ),
-    constant(
-        "locate.contradiction_log_odds",
-        confidence::CONTRADICTION_LOG_ODDS,
-        "1",
-        "ours: log-odds that a contradicting pair of identifiers takes away",
-    ),
-    constant(
         "locate.min_confidence",
-        confidence::LOCATED_MIN_CONFIDENCE,
+        answer::LOCATED_MIN_CONFIDENCE,
         "1",
         "ours: the least confidence with which a place is located",
     ),

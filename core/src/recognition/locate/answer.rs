@@ -1,18 +1,22 @@
 //! The answer: places with their confidence, and what would tell ambiguous ones apart.
 
-use super::confidence::LOCATED_MIN_CONFIDENCE;
 use super::look_for::{NearbySign, telling_signs};
 use super::map_search::MapSearch;
-use super::places::{PlaceEvidence, evidence, evidence_alone, join};
+use super::places::{PlaceEvidence, join, log_odds_alone, sum};
 use super::views::View;
 use crate::domain::counted::counted;
 use crate::domain::ids::KeyframeId;
 use crate::domain::location::{Location, LocationVerdict, Place, PlanPose};
 use crate::domain::verdict::{Candidate, Reason, ReasonCode};
 use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
+use crate::recognition::odds::log_odds::LogOdds;
+use crate::recognition::odds::sum::Sum;
+use crate::recognition::odds::why::why_there;
 
+/// The least confidence with which a place is located.
+pub(in crate::recognition) const LOCATED_MIN_CONFIDENCE: f64 = 0.99;
 /// A place fits if, were there no other, the camera would rather be there than not.
-pub(in crate::recognition) const FITS_FROM_LOG_ODDS: f64 = 0.0;
+pub(in crate::recognition) const FITS_FROM: LogOdds = LogOdds::EVEN;
 
 /// Decides where the camera is, from the searches of all maps and the views that geometry looked at; at most `max` places are
 /// listed. `alike_cells` is how many cells of a view a place elsewhere was found to explain ([`super::likeness`]): an unmapped
@@ -22,18 +26,18 @@ pub fn locate(searches: &[MapSearch], views: &[View], alike_cells: usize, max: u
     for place in &mut joined {
         place.set_unmapped_rival(alike_cells);
     }
-    let confidences: Vec<f64> = (0..joined.len()).map(|at| evidence(&joined, at).confidence()).collect();
-    let confidence = confidences.first().copied().unwrap_or(0.0);
+    let sums: Vec<Sum> = (0..joined.len()).map(|at| sum(&joined, at)).collect();
+    let confidence = sums.first().map_or(0.0, |first| first.total().probability());
     let verdict = verdict(&joined, confidence);
-    let fits = |at: usize| evidence_alone(&joined[at]).log_odds() >= FITS_FROM_LOG_ODDS;
+    let fits = |at: usize| log_odds_alone(&joined[at]) >= FITS_FROM;
     let standing = |at: usize| match verdict {
         LocationVerdict::Located if at == 0 => LocationVerdict::Located,
         LocationVerdict::Ambiguous if fits(at) => LocationVerdict::Ambiguous,
         _ => LocationVerdict::Unknown,
     };
-    let places: Vec<Place> = (joined.iter().zip(&confidences).enumerate())
+    let places: Vec<Place> = (joined.iter().zip(&sums).enumerate())
         .take(max)
-        .map(|(at, (found, confidence))| place(searches, views, found, *confidence, standing(at)))
+        .map(|(at, (found, sum))| place(searches, views, found, sum, standing(at)))
         .collect();
     let look_for = match verdict {
         LocationVerdict::Ambiguous => {
@@ -47,12 +51,13 @@ pub fn locate(searches: &[MapSearch], views: &[View], alike_cells: usize, max: u
         }
         LocationVerdict::Located | LocationVerdict::Unknown => Vec::new(),
     };
-    let reason = reason(searches, verdict, &joined);
-    Location { verdict, confidence, places, look_for, reason }
+    let reason = reason(searches, verdict, &joined, confidence);
+    let why = why_there(verdict, places.first(), reason.as_ref());
+    Location { verdict, why, confidence, places, look_for, reason }
 }
 
 fn verdict(joined: &[PlaceEvidence], confidence: f64) -> LocationVerdict {
-    let fits = |place: &PlaceEvidence| evidence_alone(place).log_odds() >= FITS_FROM_LOG_ODDS;
+    let fits = |place: &PlaceEvidence| log_odds_alone(place) >= FITS_FROM;
     match joined {
         [] => LocationVerdict::Unknown,
         _ if confidence >= LOCATED_MIN_CONFIDENCE => LocationVerdict::Located,
@@ -65,7 +70,7 @@ fn place(
     searches: &[MapSearch],
     views: &[View],
     found: &PlaceEvidence,
-    confidence: f64,
+    sum: &Sum,
     verdict: LocationVerdict,
 ) -> Place {
     let search = &searches[found.map];
@@ -93,7 +98,7 @@ fn place(
         asked: found.asked,
         session,
         verdict,
-        confidence,
+        odds: sum.odds(),
         pose: found.pose.as_ref().map(|(_, pose)| pose.clone()),
         in_plan,
         signs: found.signs.clone(),
@@ -103,20 +108,24 @@ fn place(
 }
 
 /// Returns why there is no place, or why the first one is not certain.
-fn reason(searches: &[MapSearch], verdict: LocationVerdict, joined: &[PlaceEvidence]) -> Option<Reason> {
+fn reason(
+    searches: &[MapSearch],
+    verdict: LocationVerdict,
+    joined: &[PlaceEvidence],
+    confidence: f64,
+) -> Option<Reason> {
     let Some(first) = joined.first() else {
         let empty_bow = searches.iter().all(|search| search.is_without_words);
         return Some(no_candidates(empty_bow));
     };
-    let of_first = evidence(joined, 0);
     let (code, detail) = match verdict {
         LocationVerdict::Located => return None,
-        LocationVerdict::Ambiguous => {
-            let cells = counted(of_first.cells, "cell");
-            (ReasonCode::PlacesAlike, format!("the first place alone explains {cells} of the view"))
-        }
+        LocationVerdict::Ambiguous => (
+            ReasonCode::PlacesAlike,
+            String::from("several places fit, and what tells them apart is too little"),
+        ),
         LocationVerdict::Unknown => {
-            let cells = counted(evidence_alone(first).cells, "cell");
+            let cells = counted(first.common_cells, "cell");
             let signs = counted(first.signs.agreeing.len(), "distinctive sign");
             (
                 ReasonCode::TooLittleEvidence,
@@ -124,5 +133,5 @@ fn reason(searches: &[MapSearch], verdict: LocationVerdict, joined: &[PlaceEvide
             )
         }
     };
-    Some(Reason { code, measured: Some(of_first.confidence()), limit: Some(LOCATED_MIN_CONFIDENCE), detail })
+    Some(Reason { code, measured: Some(confidence), limit: Some(LOCATED_MIN_CONFIDENCE), detail })
 }

@@ -12,14 +12,13 @@
 //! | geometry, and how much of the view it explains | [`views`], [`explained_cells`] |
 //! | views and anchor poses of one place | [`places`] |
 //! | whether the building repeats itself | [`likeness`] |
-//! | how sure it is | [`confidence`] |
+//! | how sure it is | [`crate::recognition::odds::place`] |
 //! | the pose, and how well it is known | [`pose`] |
 //! | the signs that would tell places apart | [`look_for`] |
 //! | the answer | [`locate()`] |
 
 pub mod anchor_pose;
-mod answer;
-pub mod confidence;
+pub mod answer;
 pub mod explained_cells;
 pub mod likeness;
 pub mod look_for;

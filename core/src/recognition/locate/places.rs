@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use super::confidence::Evidence;
 use super::explained_cells::Cells;
 use super::likeness::SINGLE_VIEW_FACTOR;
 use super::map_search::MapSearch;
@@ -12,6 +11,9 @@ use super::views::View;
 use crate::domain::ids::SessionSeq;
 use crate::domain::location::{LocatedPose, SignEvidence};
 use crate::geometry::Point3;
+use crate::recognition::odds::log_odds::LogOdds;
+use crate::recognition::odds::place::PlaceBet;
+use crate::recognition::odds::sum::Sum;
 
 /// Places that are told apart; those of which less is known are left out.
 const PLACES_MAX: usize = 40;
@@ -64,7 +66,7 @@ pub struct PlaceEvidence {
     /// The cells that its best view of each keyframe explains.
     pub cells: Cells,
     /// The most cells that its best view of one keyframe has in common with it.
-    common_cells: usize,
+    pub common_cells: usize,
     /// The cells that a place which no robot has mapped would explain as well.
     unmapped_rival_cells: usize,
     words: f64,
@@ -154,24 +156,30 @@ fn may_be_one_in_plan(search: &MapSearch, a: &Clue, b: &Clue) -> bool {
     }
 }
 
-/// Returns the evidence for one place against its strongest rival. Every other place is a rival.
-pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
+/// Returns the sum for one place against its strongest rival. Every other place is a rival.
+pub fn sum(places: &[PlaceEvidence], at: usize) -> Sum {
     let own = &places[at];
     let rivals = places.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, rival)| rival);
     let against = rivals.map(|rival| {
-        let only_of = |a: &PlaceEvidence, b: &PlaceEvidence| {
-            a.signs.agreeing.iter().filter(|sign| !b.signs.agreeing.contains(sign)).count()
-        };
-        Evidence {
+        let names = only_of(own, rival);
+        let bet = PlaceBet {
             cells: own_cells(&own.cells, &rival.cells).min(own.cells_of_its_own()),
-            agreeing_signs: only_of(own, rival),
-            rival_signs: only_of(rival, own),
-            shared_signs: own.signs.agreeing.len() - only_of(own, rival),
-            contradicting_signs: own.signs.contradicting as usize,
-        }
+            shared: own.signs.agreeing.len() - names.len(),
+            names,
+            names_of_rival: only_of(rival, own),
+            differing: own.signs.contradicting as usize,
+            is_placed: own.pose.is_some() || !own.cells.is_empty(),
+        };
+        bet.sum()
     });
-    let unrivalled = || Evidence { cells: own.cells_of_its_own(), ..evidence_alone(own) };
-    against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(unrivalled)
+    let unrivalled = || PlaceBet { cells: own.cells_of_its_own(), ..alone(own) }.sum();
+    against.min_by_key(Sum::total).unwrap_or_else(unrivalled)
+}
+
+/// Returns the names that agree with one place and not with another.
+fn only_of<'a>(place: &'a PlaceEvidence, other: &PlaceEvidence) -> Vec<&'a str> {
+    let names = place.signs.agreeing.iter().filter(|name| !other.signs.agreeing.contains(name));
+    names.map(String::as_str).collect()
 }
 
 /// Returns the cells that a place explains and a rival does not. Of several keyframes that ask, those at which the rival
@@ -188,41 +196,44 @@ fn own_cells(own: &Cells, rival: &Cells) -> usize {
     only_own.unwrap_or_else(alone)
 }
 
-/// Returns the evidence for one place as if there were no other.
-pub fn evidence_alone(place: &PlaceEvidence) -> Evidence {
-    Evidence {
-        cells: place.common_cells,
-        agreeing_signs: place.signs.agreeing.len(),
-        rival_signs: 0,
-        shared_signs: 0,
-        contradicting_signs: place.signs.contradicting as usize,
+/// Returns the log-odds of one place as if there were no other.
+pub fn log_odds_alone(place: &PlaceEvidence) -> LogOdds {
+    alone(place).sum().total()
+}
+
+fn alone(place: &PlaceEvidence) -> PlaceBet<'_> {
+    PlaceBet {
+        is_placed: place.pose.is_some() || !place.cells.is_empty(),
+        ..bet_alone(place.common_cells, place.signs.agreeing.iter(), place.signs.contradicting)
     }
 }
 
-/// The figures by which clues and places are put in order: log-odds by signs and cells as if alone, cells, words.
-type Figures = (f64, usize, f64);
-
-fn more_promising(a: Figures, b: Figures) -> Ordering {
-    (b.0.total_cmp(&a.0)).then_with(|| b.1.cmp(&a.1)).then_with(|| b.2.total_cmp(&a.2))
+fn bet_alone<'a>(cells: usize, names: impl Iterator<Item = &'a String>, differing: u32) -> PlaceBet<'a> {
+    PlaceBet {
+        cells,
+        names: names.map(String::as_str).collect(),
+        differing: differing as usize,
+        ..PlaceBet::default()
+    }
 }
 
-fn figures(cells: usize, agreeing: usize, contradicting: u32, words: f64) -> Figures {
-    let evidence = Evidence {
-        cells,
-        agreeing_signs: agreeing,
-        rival_signs: 0,
-        shared_signs: 0,
-        contradicting_signs: contradicting as usize,
-    };
-    (evidence.log_odds(), cells, words)
+/// The figures by which clues and places are put in order: log-odds by names and cells as if alone, names, cells, words.
+type Figures = (LogOdds, usize, usize, f64);
+
+fn more_promising(a: Figures, b: Figures) -> Ordering {
+    (b.0, b.1, b.2).cmp(&(a.0, a.1, a.2)).then_with(|| b.3.total_cmp(&a.3))
 }
 
 fn figures_of_clue(clue: &Clue) -> Figures {
-    figures(clue.common_cells, clue.agreeing.len(), clue.contradicting, clue.words)
+    let bet = PlaceBet {
+        is_placed: true,
+        ..bet_alone(clue.common_cells, clue.agreeing.iter(), clue.contradicting)
+    };
+    (bet.sum().total(), clue.agreeing.len(), clue.common_cells, clue.words)
 }
 
 fn figures_of_place(place: &PlaceEvidence) -> Figures {
-    figures(place.common_cells, place.signs.agreeing.len(), place.signs.contradicting, place.words)
+    (log_odds_alone(place), place.signs.agreeing.len(), place.common_cells, place.words)
 }
 
 fn of_view(searches: &[MapSearch], at: usize, view: &View) -> Clue {

@@ -7,7 +7,7 @@ use super::weights;
 use crate::domain::counted::counted;
 use crate::domain::settings::{Settings, WithoutAnchors};
 use crate::domain::verdict::{
-    Candidate, CandidateDecision, EvidenceKind, GeometryStatus, Odds, Reason, ReasonCode, Verify,
+    Candidate, CandidateDecision, EvidenceKind, GeometryStatus, Reason, ReasonCode, Verify,
 };
 use crate::recognition::loops::evidence::{geometry_missing, which_has_no_anchors};
 
@@ -15,10 +15,7 @@ use crate::recognition::loops::evidence::{geometry_missing, which_has_no_anchors
 pub fn conclude(candidate: &mut Candidate, sum: &Sum, bet: &Bet, verify: Verify, settings: &Settings) {
     let total = sum.total();
     let least = LogOdds::of_probability(settings.loop_min_confidence);
-    candidate.odds = Some(Odds {
-        terms: sum.terms.iter().map(|(term, _)| term.clone()).collect(),
-        confidence: total.probability(),
-    });
+    candidate.odds = Some(sum.odds());
     let lacks_geometry = verify == Verify::Geometry && candidate.geometry.status != GeometryStatus::Verified;
     let (decision, reason) = if total >= least && lacks_geometry {
         let missing = candidate.geometry.reason.clone().unwrap_or_default();

@@ -13,6 +13,7 @@
 //! | what is known of a candidate before geometry | [`bet`] |
 //! | the sum of its evidence | [`sum`] |
 //! | other places of the map that are as likely | [`rivals`] |
+//! | the same for a camera that knows of no way | [`place`] |
 //! | the decision, and its reason | [`conclusion`] |
 //! | the answer in one sentence | [`why`] |
 
@@ -21,6 +22,7 @@ pub mod conclusion;
 pub mod drive;
 pub mod log_odds;
 pub mod names;
+pub mod place;
 pub mod rivals;
 pub mod sum;
 pub mod weights;

@@ -8,11 +8,10 @@ use super::names::{NamePair, Spots};
 use super::weights;
 use crate::domain::counted::counted;
 use crate::domain::settings::Settings;
-use crate::domain::verdict::{AnchorName, EvidenceKind, EvidenceTerm};
+use crate::domain::verdict::{AnchorName, EvidenceKind, EvidenceTerm, Odds};
 use crate::geometry::Sim3;
 use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::tracked_path::{Discrepancy, drift_m};
-use crate::recognition::locate::confidence::{CELLS_PER_LOG_ODDS, EVEN_CELLS};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
 use crate::recognition::loops::geometry_check::GeometryOutcome;
 use crate::recognition::map::index::Certainty;
@@ -43,6 +42,14 @@ impl Sum {
     /// Returns the log-odds that the query was taken there.
     pub fn total(&self) -> LogOdds {
         self.terms.iter().map(|(_, log_odds)| *log_odds).sum()
+    }
+
+    /// Returns it as it is told.
+    pub fn odds(&self) -> Odds {
+        Odds {
+            terms: self.terms.iter().map(|(term, _)| term.clone()).collect(),
+            confidence: self.total().probability(),
+        }
     }
 
     /// Sets the place next to this one against it. The names of a drive are around both; what tells the two apart is where the
@@ -268,8 +275,8 @@ fn add_no_view(sum: &mut Sum, view: Option<ViewFound<'_>>, is_sign_in_view: bool
 }
 
 /// Returns the worth of the cells of a view.
-fn explained(cells: usize) -> LogOdds {
-    LogOdds::of((cells as f64 - EVEN_CELLS) / CELLS_PER_LOG_ODDS)
+pub fn explained(cells: usize) -> LogOdds {
+    LogOdds::of((cells as f64 - weights::EVEN_CELLS) / weights::CELLS_PER_LOG_ODDS)
 }
 
 /// Returns the worth of the cells of a view without a length. It is a view, and not a place: what is seen in both may be far from

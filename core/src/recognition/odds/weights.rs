@@ -22,6 +22,12 @@ pub const STRANGE_NAMES: LogOdds = LogOdds::of_thousandths(-700);
 pub const ABSENT: LogOdds = LogOdds::of_thousandths(-200);
 /// All such signs together.
 pub const ABSENT_MAX: LogOdds = LogOdds::of_thousandths(-1_000);
+/// Cells of the view that a place explains and a rival does not, at which the two are as likely as not; and the cells that
+/// multiply the odds by e. Fitted to development photographs of floors that look alike: of those with 40 cells or more all
+/// were right, of those with 30 to 39 four of five.
+pub const EVEN_CELLS: f64 = 12.4;
+/// Cells that multiply the odds by e.
+pub const CELLS_PER_LOG_ODDS: f64 = 6.0;
 /// A view that geometry on map points verifies, where nothing repeats.
 pub const VIEW_THAT_DOES_NOT_REPEAT: LogOdds = LogOdds::of_thousandths(6_000);
 /// A description that says enough.

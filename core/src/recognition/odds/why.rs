@@ -1,6 +1,7 @@
 //! Why: the answer in one sentence, in plain words.
 
-use crate::domain::verdict::{Candidate, Decision, EvidenceKind, EvidenceTerm, GeometryStatus, Reason};
+use crate::domain::location::{LocationVerdict, Place};
+use crate::domain::verdict::{Candidate, Decision, EvidenceKind, EvidenceTerm, GeometryStatus, Odds, Reason};
 
 /// Names that a sentence lists.
 const NAMED_MAX: usize = 4;
@@ -18,8 +19,24 @@ pub fn why(decision: Decision, best: Option<&Candidate>, reason: Option<&Reason>
     }
 }
 
+/// Returns why the answer to "where am I?" is what it is.
+pub fn why_there(verdict: LocationVerdict, first: Option<&Place>, reason: Option<&Reason>) -> String {
+    if let Some(reason) = reason {
+        return sentence(&reason.detail);
+    }
+    let Some(first) = first.filter(|_| verdict == LocationVerdict::Located) else {
+        return String::from("Nothing speaks for any place.");
+    };
+    let names = about(&first.odds, EvidenceKind::Name);
+    if names.is_empty() {
+        let view = about(&first.odds, EvidenceKind::View);
+        return format!("This place alone explains {} of the view.", listed(&view));
+    }
+    format!("It reads {}; no other place of the maps does.", listed(&names))
+}
+
 fn for_loop(best: &Candidate) -> String {
-    let names = about(best, EvidenceKind::Name);
+    let names = of_candidate(best, EvidenceKind::Name);
     if !names.is_empty() {
         return format!("Both read {}; no other place in this map does.", listed(&names));
     }
@@ -30,7 +47,7 @@ fn for_loop(best: &Candidate) -> String {
 }
 
 fn against(best: &Candidate) -> String {
-    if let Some(other) = about(best, EvidenceKind::OtherName).first()
+    if let Some(other) = of_candidate(best, EvidenceKind::OtherName).first()
         && let Some((here, there)) = other.split_once(" / ")
     {
         return format!("Here it reads {here}; at the same spot there it reads {there}.");
@@ -48,10 +65,13 @@ fn undecided(best: &Candidate) -> String {
     }
 }
 
-fn about(candidate: &Candidate, kind: EvidenceKind) -> Vec<&str> {
-    let terms = candidate.odds.iter().flat_map(|odds| &odds.terms);
+fn of_candidate(candidate: &Candidate, kind: EvidenceKind) -> Vec<&str> {
+    candidate.odds.as_ref().map_or_else(Vec::new, |odds| about(odds, kind))
+}
+
+fn about(odds: &Odds, kind: EvidenceKind) -> Vec<&str> {
     let of_kind = |term: &&EvidenceTerm| term.kind == kind;
-    terms.filter(of_kind).map(|term| term.about.as_str()).collect()
+    odds.terms.iter().filter(of_kind).map(|term| term.about.as_str()).collect()
 }
 
 fn listed(names: &[&str]) -> String {
