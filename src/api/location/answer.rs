@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use crate::api::geometry::GeometryView;
 use crate::api::names::{AssumptionName, ChannelName, LocationVerdictName, PoseSourceName};
+use crate::api::odds::EvidenceView;
 use crate::api::space::{Transform, rounded};
 use crate::api::verdict::{AnchorFigures, BowFigures, CandidateView, GlobalFigures, ReasonView};
 use crate::domain::ids::MapId;
@@ -17,6 +18,9 @@ use crate::domain::request::Detail;
 pub struct LocateAnswerView {
     /// The answer.
     pub verdict: LocationVerdictName,
+    /// One sentence for a person: why.
+    #[serde(default)]
+    pub why: String,
     /// The confidence that the camera is at the first place, 0 to 1; `located` is at least 0.99.
     #[schema(minimum = 0, maximum = 1)]
     pub confidence: f64,
@@ -55,6 +59,9 @@ pub struct PlaceView {
     /// The confidence that the camera is here, 0 to 1.
     #[schema(minimum = 0, maximum = 1)]
     pub confidence: f64,
+    /// The terms of the sum of evidence, against the strongest other place; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evidence: Vec<EvidenceView>,
     /// The camera's pose in the session's frame, in metres; left out where the evidence gives none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_from_camera: Option<Transform>,
@@ -156,6 +163,7 @@ impl LocateAnswerView {
         let look_for = location.look_for.iter().filter_map(|sign| LookForView::of(&maps, location, sign));
         Self {
             verdict: location.verdict.into(),
+            why: location.why.clone(),
             confidence: rounded(location.confidence),
             places,
             look_for: look_for.collect(),
@@ -190,7 +198,8 @@ impl PlaceView {
             asked: are_several.then_some(place.asked as u32),
             session: place.session.to_string(),
             verdict: place.verdict.into(),
-            confidence: rounded(place.confidence),
+            confidence: rounded(place.odds.confidence),
+            evidence: place.odds.terms.iter().map(EvidenceView::from).collect(),
             map_from_camera: place.pose.as_ref().map(|pose| Transform::from(pose.map_from_camera)),
             plan_from_camera: place.in_plan.as_ref().map(|plan| Transform::from(plan.plan_from_camera)),
             plan: place.in_plan.as_ref().map(|plan| plan.frame.to_string()),
