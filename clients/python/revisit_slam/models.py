@@ -1458,6 +1458,8 @@ class LocateAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Where places are ambiguous: the signs that would tell them apart."""
     maps: list[AskedMap]
     """The maps that were asked, by name."""
+    why: str | None = None
+    """One sentence for a person: why."""
     reason: Reason | None = None
     """Why there is no place, or why the first one is not certain."""
 
@@ -1960,6 +1962,8 @@ class Place(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The number of the asked keyframe, from 0, that was taken near `keyframe`; left out where one
     keyframe asks. The pose is the first one's all the same.
     """
+    evidence: list[Evidence] | None = None
+    """The terms of the sum of evidence, against the strongest other place; left out where there are none."""
     map_from_camera: Transform | None = None
     """The camera's pose in the session's frame, in metres; left out where the evidence gives none."""
     plan_from_camera: Transform | None = None
@@ -2380,10 +2384,8 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ORB-SLAM: keyframes of a session that share at least this many map points are covisible"""
     covisibility_max_way_m: float | None = None
     """ours: a keyframe without map points and without `covisible` is covisible with the keyframes of its
-    session to which the robot drove no farther, in metres; 0 joins none
+    session to which the robot drove no farther, in metres, within 20 s by their clock; 0 joins none
     """
-    covisibility_max_gap_s: float | None = None
-    """ours: and that were taken no longer before or after it, by their clock, in seconds"""
     description_min_information_level: int | None = None
     """§IV-B: an anchor is valid when its description's InformationLevel is no smaller"""
     description_min_crop_area_px: float | None = None
@@ -2412,8 +2414,6 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """§V-B: matching anchors differ by less than this in distance, in metres"""
     anchor_map_min_similarity: float | None = None
     """§V-B: two local anchor maps match when S of Eq. (2) is greater"""
-    anchor_map_min_distance_m: float | None = None
-    """§V-B: bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres"""
     distinctive_place_radius_m: float | None = None
     """ours: anchors farther apart than this stand in different places, in metres"""
     reading_min_confidence: float | None = None
@@ -2434,8 +2434,6 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 =
     off
     """
-    odometry_slack_m: float | None = None
-    """ours: how far a transformation may be off odometry on any way, in metres"""
     without_anchors: SettingsWithoutAnchors | None = None
     """§V-B: the verdict when either local anchor map is empty, which the paper leaves open (0/0):
     undecided, reject or geometry
