@@ -10,6 +10,7 @@ use super::odds::EvidenceView;
 use super::space::rounded;
 use crate::domain::channel::ProposedBy;
 use crate::domain::ids::KeyframeId;
+use crate::domain::look_for::LookFor;
 use crate::domain::request::Detail;
 use crate::domain::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
@@ -53,9 +54,28 @@ pub struct LoopAnswer {
     /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
+    /// Where it is undecided: the signs that would tell, the nearest to the best candidate first. Left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(max_items = 8)]
+    pub look_for: Vec<SignView>,
     /// The candidates: loops first, then undecided, then rejected, each best first. With `?detail=brief` the rejected ones are
     /// left out.
     pub candidates: Vec<CandidateView>,
+}
+
+/// A sign that would tell whether the query was taken at a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = SignToLookFor)]
+pub struct SignView {
+    /// The candidate near which it hangs.
+    pub keyframe: String,
+    /// Its class.
+    pub class: String,
+    /// Its description.
+    pub description: String,
+    /// `[x,y,z]` in the frame of the candidate's session, in metres.
+    #[schema(min_items = 3, max_items = 3)]
+    pub position: [f64; 3],
 }
 
 /// A confirmed loop of the keyframe that was asked about.
@@ -216,6 +236,7 @@ impl LoopAnswer {
             has_twins: verdict.has_twins,
             excluded_covisible: verdict.excluded_covisible,
             closed: verdict.closed.iter().map(ClosedView::from).collect(),
+            look_for: verdict.look_for.iter().filter_map(|sign| SignView::of(verdict, sign)).collect(),
             reason: verdict.reason.as_ref().map(ReasonView::from),
             candidates: candidates.map(|candidate| CandidateView::of(candidate, detail)).collect(),
         }
@@ -228,6 +249,17 @@ impl LoopAnswer {
         verdict: &Verdict,
     ) -> Result<Vec<u8>, serde_json::Error> {
         serde_json::to_vec(&Self::of(id, keyframe, verdict, Detail::Full))
+    }
+}
+
+impl SignView {
+    fn of(verdict: &Verdict, sign: &LookFor) -> Option<Self> {
+        Some(Self {
+            keyframe: verdict.candidates.get(sign.place)?.keyframe.to_string(),
+            class: sign.class.clone(),
+            description: sign.description.clone(),
+            position: [sign.position.x, sign.position.y, sign.position.z].map(rounded),
+        })
     }
 }
 

@@ -1565,6 +1565,10 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     reason: Reason | None = None
     """Why, where no candidate says it: there is none, or the loop is confirmed and no other is left."""
+    look_for: list[SignToLookFor] | None = None
+    """Where it is undecided: the signs that would tell, the nearest to the best candidate first. Left out
+    where there are none.
+    """
 
 
 class LoopBody(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2494,6 +2498,19 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near
     descriptors and points on both sides
     """
+
+
+class SignToLookFor(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A sign that would tell whether the query was taken at a candidate."""
+
+    keyframe: str
+    """The candidate near which it hangs."""
+    class_: str = msgspec.field(name="class")
+    """Its class."""
+    description: str
+    """Its description."""
+    position: list[float]
+    """`[x,y,z]` in the frame of the candidate's session, in metres."""
 
 
 class Similarity(msgspec.Struct, kw_only=True, omit_defaults=True):

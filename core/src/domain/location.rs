@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use super::key::MapPattern;
 use super::keyframe::NewKeyframe;
+use super::look_for::LookFor;
 use super::reason::Reason;
 use super::verdict::{Candidate, Odds};
 use crate::geometry::{Point3, Pose};
@@ -149,19 +150,6 @@ pub struct Place {
     pub verified_views: u32,
     /// The checks of the keyframe, with their figures; none where only a plan's anchors say it.
     pub candidate: Option<Candidate>,
-}
-
-/// A sign that would tell one of several places from the others.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LookFor {
-    /// The place near which it hangs, by its number in [`Location::places`].
-    pub place: usize,
-    /// Its class.
-    pub class: String,
-    /// Its description.
-    pub description: String,
-    /// Its position in the place's session, in metres.
-    pub position: Point3,
 }
 
 /// The answer to "where am I?".

@@ -45,6 +45,7 @@ pub mod judgement;
 pub mod key;
 pub mod keyframe;
 pub mod location;
+pub mod look_for;
 pub mod loop_warning;
 pub mod map;
 pub mod method;

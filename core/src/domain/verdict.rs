@@ -4,6 +4,7 @@ pub use super::anchor_name::AnchorName;
 use super::channel::ProposedBy;
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
+use super::look_for::LookFor;
 use super::reason::ReasonClass;
 pub use super::reason::{Reason, ReasonCode};
 use crate::geometry::{Bearing, Sim3};
@@ -261,6 +262,8 @@ pub struct Verdict {
     pub closed: Vec<ClosedLoop>,
     /// Why, where no candidate says it: there is none, or the loop is closed already.
     pub reason: Option<Reason>,
+    /// Where it is undecided: the signs that would tell, each with the number of its candidate.
+    pub look_for: Vec<LookFor>,
     /// The candidates: loops first, then undecided, then rejected, each best first.
     pub candidates: Vec<Candidate>,
 }

@@ -256,3 +256,24 @@ fn two_places_that_agree_by_different_names_leave_the_answer_open() {
     scene.close("l-1", "other", "one");
     assert_eq!(ids(&scene.ask("query").loops), ["one"]);
 }
+
+#[test]
+fn an_undecided_answer_says_what_to_look_for() {
+    let mut scene = Scene::new();
+    let slogan = || thing("sign", "Be Updated").at([0.0, 0.0, 2.0]);
+    scene.put("one", keyframe().session("one").sees([slogan(), door("901", [1.0, 0.0, 2.0])]));
+    scene.put("other", keyframe().session("other").sees([slogan(), door("903", [1.0, 0.0, 2.0])]));
+    scene.put("query", keyframe().session("now").sees([slogan()]));
+    let verdict = scene.ask("query");
+    assert_eq!(verdict.decision, Decision::Undecided);
+    let told = verdict
+        .look_for
+        .iter()
+        .map(|sign| (verdict.candidates[sign.place].keyframe.as_str(), sign.description.as_str()));
+    assert_eq!(told.collect::<Vec<_>>(), [("one", "901"), ("other", "903")]);
+    assert!(verdict.why.ends_with("Look for 901."), "{}", verdict.why);
+    // Once it is read, the answer is a loop, and there is nothing to look for.
+    scene.put("later", keyframe().session("now").sees([slogan(), door("901", [1.0, 0.0, 2.0])]));
+    let verdict = scene.ask("later");
+    assert_eq!((verdict.decision, verdict.look_for), (Decision::Loop, vec![]));
+}

@@ -9,7 +9,8 @@ use crate::api::odds::EvidenceView;
 use crate::api::space::{Transform, rounded};
 use crate::api::verdict::{AnchorFigures, BowFigures, CandidateView, GlobalFigures, ReasonView};
 use crate::domain::ids::MapId;
-use crate::domain::location::{Location, LookFor, Place, Uncertainty};
+use crate::domain::location::{Location, Place, Uncertainty};
+use crate::domain::look_for::LookFor;
 use crate::domain::request::Detail;
 
 /// The answer to "where am I?". The same versions of the maps, the same question and seed give the same bytes.

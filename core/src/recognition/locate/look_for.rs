@@ -1,14 +1,14 @@
-//! The signs that would tell one of several places from the others.
+//! The signs that would tell one of several places from the others, of this question and of a loop query (M64).
 
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::KeyframeSeq;
-use crate::domain::location::LookFor;
+use crate::domain::look_for::LookFor;
 use crate::geometry::Point3;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::{CELL_M, MapIndex};
 
 /// Signs that are remembered of a place.
-const NEARBY_MAX: usize = 12;
+pub const NEARBY_MAX: usize = 12;
 /// Signs that an answer names.
 const NAMED_MAX: usize = 8;
 

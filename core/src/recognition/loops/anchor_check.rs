@@ -21,6 +21,7 @@ use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::returning::{Returning, is_in_view, is_tracked, returning_identifier};
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::extensions::worst_case::{awaited, model_is_missed, worst_case};
+use crate::recognition::locate::look_for::{NEARBY_MAX, NearbySign};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::odds::bet::{Bet, Metres, TextPair};
 use crate::recognition::odds::drive::{chain_around, chain_back, moves, named_signs};
@@ -199,6 +200,14 @@ impl<'a> AnchorCheck<'a> {
             (path, (query.centre.map_from_camera.centre() - centre.map_from_camera.centre()).norm())
         });
         let known: Vec<LocalName> = names.alike.iter().map(|pair| pair.query.name).collect();
+        let agreeing: Vec<LocalName> = names.alike.iter().map(|pair| pair.candidate.name).collect();
+        let nearby = signs.iter().filter(|sign| sign.places == 1 && !agreeing.contains(&sign.name));
+        let nearby = nearby.take(NEARBY_MAX).map(|sign| NearbySign {
+            class: sign.class.to_string(),
+            description: sign.description.as_deref().unwrap_or_default().to_owned(),
+            position: sign.centre_in_session,
+        });
+        let nearby = nearby.collect();
         let strange: Vec<LocalName> = names.strange.iter().map(|(query, _)| *query).collect();
         let absent = comparison.unmatched_of_query.iter().map(|sign| sign.name);
         let absent = absent.filter(|name| !known.contains(name) && !strange.contains(name));
@@ -208,6 +217,7 @@ impl<'a> AnchorCheck<'a> {
             names,
             texts: texts.collect(),
             absent,
+            nearby,
             path,
             is_here: self.is_here(keyframe),
             is_tracked_only: !comparison.matches.is_empty() && comparison.matches.iter().all(tracked),

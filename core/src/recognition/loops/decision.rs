@@ -8,12 +8,14 @@ use super::features::FeatureSet;
 use super::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
 use super::letter;
 use super::screening::{PreVerified, Screening, Stage};
+use crate::domain::look_for::LookFor;
 use crate::domain::settings::Settings;
 use crate::domain::verdict::{
     CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Decision, EvidenceKind, GeometryStatus, Reason,
     ReasonCode, Verdict, Verify,
 };
 use crate::recognition::locate::explained_cells::cells;
+use crate::recognition::locate::look_for::{NearbySign, telling_signs};
 use crate::recognition::odds::bet::Bet;
 use crate::recognition::odds::conclusion::conclude;
 use crate::recognition::odds::rivals::strongest_rival;
@@ -22,6 +24,8 @@ use crate::recognition::odds::why::why;
 
 /// A candidate without anchors whose words score below this share of the reference score does not make the answer undecided.
 pub(in crate::recognition) const UNDECIDED_MIN_SCORE_SHARE: f64 = 0.3;
+/// Undecided candidates whose signs an answer names.
+const OPEN_MAX: usize = 3;
 
 /// A candidate after geometry.
 #[derive(Clone, Debug)]
@@ -205,7 +209,11 @@ pub(super) fn answer(
         candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow))
     };
     let best = candidates.first();
-    let why = why(decision, best, reason.as_ref());
+    let look_for = match decision {
+        Decision::Undecided => look_for(screening, &candidates),
+        Decision::Loop | Decision::NoLoop => Vec::new(),
+    };
+    let why = why(decision, best, reason.as_ref(), &look_for);
     let confidence = best.and_then(|best| best.odds.as_ref()).map(|odds| odds.confidence);
     Verdict {
         map_version: screening.map_version,
@@ -219,6 +227,21 @@ pub(super) fn answer(
         excluded_covisible: screening.excluded_covisible,
         closed,
         reason,
+        look_for,
         candidates,
     }
+}
+
+/// Returns the signs that would tell the likeliest of the undecided candidates from each other, or that it is the only one.
+fn look_for(screening: &Screening, candidates: &[Candidate]) -> Vec<LookFor> {
+    let nearby = |candidate: &Candidate| {
+        let asked =
+            screening.candidates.iter().find(|asked| asked.candidate.keyframe == candidate.keyframe)?;
+        Some(asked.bet.as_ref()?.nearby.as_slice())
+    };
+    let open = candidates.iter().enumerate();
+    let open = open.filter(|(_, candidate)| candidate.decision == CandidateDecision::Undecided);
+    let places: Vec<(usize, &[NearbySign])> =
+        open.take(OPEN_MAX).filter_map(|(at, candidate)| Some((at, nearby(candidate)?))).collect();
+    telling_signs(&places)
 }

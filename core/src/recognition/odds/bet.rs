@@ -4,6 +4,7 @@ use super::names::Names;
 use crate::domain::settings::{Settings, WithoutAnchors};
 use crate::domain::verdict::{AnchorName, ReasonCode};
 use crate::recognition::extensions::tracked_path::TrackedPath;
+use crate::recognition::locate::look_for::NearbySign;
 
 /// A pair of texts without names at the same relative place.
 #[derive(Clone, Debug)]
@@ -50,6 +51,8 @@ pub struct Bet {
     pub unread: usize,
     /// Anchors around the two that nothing has described yet, where they may be one; else 0.
     pub pending: usize,
+    /// Signs around the candidate with names that hang in one place and that the query has not read, the nearest first.
+    pub nearby: Vec<NearbySign>,
     /// The reason why descriptions are missing.
     pub missing: ReasonCode,
 }

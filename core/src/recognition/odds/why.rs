@@ -1,13 +1,19 @@
 //! Why: the answer in one sentence, in plain words.
 
 use crate::domain::location::{LocationVerdict, Place};
+use crate::domain::look_for::LookFor;
 use crate::domain::verdict::{Candidate, Decision, EvidenceKind, EvidenceTerm, GeometryStatus, Odds, Reason};
 
 /// Names that a sentence lists.
 const NAMED_MAX: usize = 4;
 
 /// Returns why the answer is what it is: by its best candidate, or the reason where no candidate says it.
-pub fn why(decision: Decision, best: Option<&Candidate>, reason: Option<&Reason>) -> String {
+pub fn why(
+    decision: Decision,
+    best: Option<&Candidate>,
+    reason: Option<&Reason>,
+    look_for: &[LookFor],
+) -> String {
     if let Some(reason) = reason {
         return sentence(&reason.detail);
     }
@@ -15,7 +21,10 @@ pub fn why(decision: Decision, best: Option<&Candidate>, reason: Option<&Reason>
     match decision {
         Decision::Loop => for_loop(best),
         Decision::NoLoop => against(best),
-        Decision::Undecided => undecided(best),
+        Decision::Undecided => match look_for {
+            [] => undecided(best),
+            [sign, ..] => format!("{} Look for {}.", undecided(best), sign.description),
+        },
     }
 }
 
