@@ -277,3 +277,16 @@ fn an_undecided_answer_says_what_to_look_for() {
     let verdict = scene.ask("later");
     assert_eq!((verdict.decision, verdict.look_for), (Decision::Loop, vec![]));
 }
+
+#[test]
+fn places_that_read_one_name_on_two_signs_are_no_rivals() {
+    let mut scene = Scene::new();
+    let [left, right] = [[-1.5, 0.0, 2.0], [1.5, 0.0, 2.0]].map(|at| door("901", at));
+    scene.put("one", keyframe().session("one").sees([left.clone()]));
+    scene.put("other", keyframe().session("other").sees([right.clone()]));
+    scene.put("query", keyframe().session("now").sees([left, right]));
+    let verdict = scene.ask("query");
+    let mut loops = ids(&verdict.loops);
+    loops.sort_unstable();
+    assert_eq!(loops, ["one", "other"], "{verdict:#?}");
+}

@@ -11,12 +11,13 @@ pub fn strongest_rival(
     is_joined: impl Fn(usize, usize) -> bool,
 ) -> Option<(usize, LogOdds)> {
     let own = sums[at].as_ref()?;
-    let shares_sign = |other: &Sum| other.agreeing.iter().any(|sign| own.agreeing.contains(sign));
+    // One name hangs in one place, whichever of the query's signs bears it.
+    let shares_name = |other: &Sum| other.agreeing.iter().any(|name| own.agreeing.contains(name));
     let rivals = sums.iter().enumerate().filter_map(|(number, sum)| Some((number, sum.as_ref()?)));
     let elsewhere = rivals.filter(|(number, sum)| {
         *number != at
             && !is_joined(at, *number)
-            && !shares_sign(sum)
+            && !shares_name(sum)
             && sum.of(EvidenceKind::Name) > LogOdds::EVEN
     });
     let likely = elsewhere.map(|(number, sum)| (number, sum.total()));

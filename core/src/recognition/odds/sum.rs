@@ -18,7 +18,7 @@ use crate::recognition::map::index::Certainty;
 use crate::recognition::verification::{Failure, Status};
 
 /// A camera that moves by this many times the distance by which anchors may differ (§V-B) sees most of them elsewhere.
-pub(in crate::recognition) const PLACE_WIDTHS: f64 = 2.0;
+pub(in crate::recognition) const PLACE_WIDTHS: f64 = 1.5;
 
 /// The outcome of geometry, as evidence.
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +34,8 @@ pub struct ViewFound<'a> {
 pub struct Sum {
     /// Them.
     pub terms: Vec<(EvidenceTerm, LogOdds)>,
-    /// The signs of the query that agree by a name that hangs in one place.
-    pub agreeing: Vec<AnchorName>,
+    /// The names that agree and hang in one place, each in its one spelling.
+    pub agreeing: Vec<String>,
 }
 
 impl Sum {
@@ -147,11 +147,20 @@ impl Bet {
     }
 
     fn add_names(&self, sum: &mut Sum, spots: &Spots<'_>, has_transform: bool) {
-        // One name counts once, however many anchors bear it.
-        let mut known = BTreeSet::new();
-        let distinct = spots.agreeing.iter().copied().filter(|pair| known.insert(gist(pair).to_owned()));
-        let (unique, shared): (Vec<&NamePair>, Vec<&NamePair>) = distinct.partition(|pair| pair.places == 1);
-        sum.agreeing = unique.iter().map(|pair| pair.query.name.public()).collect();
+        // One name counts once, however many anchors bear it: as the surest of them has it.
+        let mut distinct: Vec<&NamePair> = Vec::new();
+        for pair in &spots.agreeing {
+            match distinct.iter_mut().find(|known| gist(known) == gist(pair)) {
+                Some(known) if known.places == pair.places && known.certainty() < pair.certainty() => {
+                    *known = pair;
+                }
+                Some(_) => {}
+                None => distinct.push(pair),
+            }
+        }
+        let (unique, shared): (Vec<&NamePair>, Vec<&NamePair>) =
+            distinct.into_iter().partition(|pair| pair.places == 1);
+        sum.agreeing = unique.iter().map(|pair| gist(pair).to_owned()).collect();
         sum.add_names(EvidenceKind::Name, &unique, |pair| match pair.certainty() {
             Certainty::Doubtful => weights::NAME_DOUBTFUL,
             Certainty::ReadOnce | Certainty::ReadAlike | Certainty::Sure => weights::NAME,
