@@ -26,13 +26,13 @@ pub fn locate_answer() -> Value {
     json!({
         "verdict": "located",
         "why": "It reads 901 and 903; no other place of the maps does.",
-        "confidence": 0.9921003,
+        "confidence": 0.9921,
         "places": [{
             "map": "tower",
             "keyframe": "kf-3",
             "session": "robot-7",
             "verdict": "located",
-            "confidence": 0.9921003,
+            "confidence": 0.9921,
             "evidence": [
                 {"kind": "name", "about": "901", "log_odds": 5.3},
                 {"kind": "name", "about": "903", "log_odds": 5.3},
