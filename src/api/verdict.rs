@@ -54,7 +54,7 @@ pub struct LoopAnswer {
     /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
-    /// Where it is undecided: the signs that would tell, the nearest to the best candidate first. Left out where there are none.
+    /// The signs that would tell where it is undecided, the nearest to the best candidate first. Left out where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(max_items = 8)]
     pub look_for: Vec<SignView>,

@@ -1566,7 +1566,7 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     reason: Reason | None = None
     """Why, where no candidate says it: there is none, or the loop is confirmed and no other is left."""
     look_for: list[SignToLookFor] | None = None
-    """Where it is undecided: the signs that would tell, the nearest to the best candidate first. Left out
+    """The signs that would tell where it is undecided, the nearest to the best candidate first. Left out
     where there are none.
     """
 

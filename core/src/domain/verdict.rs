@@ -262,7 +262,7 @@ pub struct Verdict {
     pub closed: Vec<ClosedLoop>,
     /// Why, where no candidate says it: there is none, or the loop is closed already.
     pub reason: Option<Reason>,
-    /// Where it is undecided: the signs that would tell, each with the number of its candidate.
+    /// The signs that would tell, each with the number of its candidate, where it is undecided.
     pub look_for: Vec<LookFor>,
     /// The candidates: loops first, then undecided, then rejected, each best first.
     pub candidates: Vec<Candidate>,

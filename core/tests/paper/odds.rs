@@ -24,7 +24,7 @@ fn plate(number: usize, other: bool) -> Thing {
     door(&format!("{}", if other { 1_501 } else { 901 } + 2 * number), slot(number))
 }
 
-/// What a copy of a place shows as well: pictures, notices, brands, floors and generic words.
+/// A thing that a copy of a place shows as well: pictures, notices, brands, floors and generic words.
 const COPIED: [&str; 10] = [
     "a painting of a sailing boat before a windmill",
     "a poster of a red balloon over snowy mountains",
@@ -42,7 +42,7 @@ fn copied(number: usize, text: usize) -> Thing {
     thing("sign", COPIED[text]).at(slot(number))
 }
 
-/// What hangs in a direction.
+/// A thing that hangs in a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Hung {
     Nothing,

@@ -94,6 +94,11 @@ impl PlaceEvidence {
         self.unmapped_rival_cells = (alike_cells as f64 * factor) as usize;
     }
 
+    /// Whether a view or a pose from anchors puts the camera somewhere.
+    fn is_placed(&self) -> bool {
+        self.pose.is_some() || !self.cells.is_empty()
+    }
+
     /// Returns the most cells that this place explains beyond what an unmapped rival would.
     fn cells_of_its_own(&self) -> usize {
         self.common_cells.saturating_sub(self.unmapped_rival_cells)
@@ -168,7 +173,7 @@ pub fn sum(places: &[PlaceEvidence], at: usize) -> Sum {
             names,
             names_of_rival: only_of(rival, own),
             differing: own.signs.contradicting as usize,
-            is_placed: own.pose.is_some() || !own.cells.is_empty(),
+            is_placed: own.is_placed(),
         };
         bet.sum()
     });
@@ -202,17 +207,21 @@ pub fn log_odds_alone(place: &PlaceEvidence) -> LogOdds {
 }
 
 fn alone(place: &PlaceEvidence) -> PlaceBet<'_> {
-    PlaceBet {
-        is_placed: place.pose.is_some() || !place.cells.is_empty(),
-        ..bet_alone(place.common_cells, place.signs.agreeing.iter(), place.signs.contradicting)
-    }
+    let SignEvidence { agreeing, contradicting } = &place.signs;
+    bet_alone(place.common_cells, agreeing.iter(), *contradicting, place.is_placed())
 }
 
-fn bet_alone<'a>(cells: usize, names: impl Iterator<Item = &'a String>, differing: u32) -> PlaceBet<'a> {
+fn bet_alone<'a>(
+    cells: usize,
+    names: impl Iterator<Item = &'a String>,
+    differing: u32,
+    is_placed: bool,
+) -> PlaceBet<'a> {
     PlaceBet {
         cells,
         names: names.map(String::as_str).collect(),
         differing: differing as usize,
+        is_placed,
         ..PlaceBet::default()
     }
 }
@@ -225,10 +234,7 @@ fn more_promising(a: Figures, b: Figures) -> Ordering {
 }
 
 fn figures_of_clue(clue: &Clue) -> Figures {
-    let bet = PlaceBet {
-        is_placed: true,
-        ..bet_alone(clue.common_cells, clue.agreeing.iter(), clue.contradicting)
-    };
+    let bet = bet_alone(clue.common_cells, clue.agreeing.iter(), clue.contradicting, true);
     (bet.sum().total(), clue.agreeing.len(), clue.common_cells, clue.words)
 }
 

@@ -11,7 +11,7 @@ use super::weights;
 use crate::domain::counted::counted;
 use crate::domain::verdict::EvidenceKind;
 
-/// What is known of a place, and of a rival.
+/// The evidence for a place, and for a rival.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlaceBet<'a> {
     /// The cells of the view that it explains, and the rival does not.
@@ -40,11 +40,7 @@ impl PlaceBet<'_> {
             sum.add(EvidenceKind::OtherName, Vec::new(), about, weights::OTHER_NAME * self.differing);
         }
         let most = if self.is_placed || self.names.len() > 1 { weights::HERE } else { weights::NEAR };
-        let beyond = sum.total() - most;
-        if beyond > LogOdds::EVEN {
-            let about = String::from("the place next to it has these names around it as well");
-            sum.add(EvidenceKind::Neighbour, Vec::new(), about, -beyond);
-        }
+        sum.limit_to(most);
         // A name that both share says that it is one of the two: then the difference need not bear out that as well.
         let unmapped = if self.shared > 0 { explained(0) } else { LogOdds::EVEN };
         sum.add(

@@ -59,7 +59,12 @@ impl Sum {
             |kind| matches!(kind, EvidenceKind::NoView | EvidenceKind::Apart | EvidenceKind::Odometry);
         let spot = self.terms.iter().filter(|(term, _)| of_spot(term.kind)).map(|(_, log_odds)| *log_odds);
         let here = if is_placed { weights::HERE } else { weights::NEAR };
-        let beyond = self.total() - (here + spot.sum());
+        self.limit_to(here + spot.sum());
+    }
+
+    /// Sets as much against it for the place next to it as it exceeds this by.
+    pub(super) fn limit_to(&mut self, most: LogOdds) {
+        let beyond = self.total() - most;
         if beyond > LogOdds::EVEN {
             let about = String::from("the place next to it has these names around it as well");
             self.add(EvidenceKind::Neighbour, Vec::new(), about, -beyond);
