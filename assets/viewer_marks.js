@@ -2,7 +2,8 @@
 
 import { lookingAlong, placeOfBearing } from "./viewer_scene.js";
 import { number } from "./dom.js";
-import { distinctSigns, percent, toneOfPlace } from "./viewer_place.js";
+import { percent } from "./viewer_evidence.js";
+import { distinctSigns, toneOfPlace } from "./viewer_place.js";
 import { toneOf } from "./viewer_verdict.js";
 
 const MATCH_LINES = 40;

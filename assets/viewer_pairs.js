@@ -1,14 +1,18 @@
 // Pairs: the anchors of two local maps set against each other: which agree, which contradict, and by how much they are apart.
 
 import { pairColour, theme } from "./viewer_colours.js";
-import { DIFFERENCES } from "./words.js";
+
+/** The kinds of evidence that set two signs against each other. */
+const DIFFER = {
+  other_name: "another name at the same spot", strange_names: "names that exclude each other", displaced_name: "one name at two spots",
+};
 
 /**
  * The pairs of a candidate, each with a number and a colour, `query` and `candidate` as in their local maps (null: not in it), and
  * `angle` and `distance`, by which they are apart. `scene` knows anchors by their present names.
  */
-export function pairsOf({ anchors: figures }, [here, there], scene) {
-  const { matches = [], contradictions = [], differences = [] } = figures ?? {};
+export function pairsOf({ anchors: figures, evidence = [] }, [here, there], scene) {
+  const { matches = [], contradictions = [] } = figures ?? {};
   const at = (map, id) => map?.get(presentName(id, scene)) ?? null;
   const taken = new Set();
   const pair = (kind, one, more) => {
@@ -22,9 +26,8 @@ export function pairsOf({ anchors: figures }, [here, there], scene) {
   const agreeing = matches.map((one) => pair("agrees", one, {
     angle: one.angle_difference_rad, distance: one.distance_difference_m, note: `level ${one.level} of 5`,
   }));
-  const differing = differences.map((one) => pair("differs", one, {
-    texts: [one.query_identifier, one.candidate_identifier], note: `differs, and did not count: ${DIFFERENCES[one.reason] ?? one.reason}`,
-  }));
+  const differing = evidence.filter(({ kind }) => DIFFER[kind]).flatMap(({ kind, query_anchors: own, candidate_anchors: other }) =>
+    (own ?? []).map((query_anchor, at) => pair("differs", { query_anchor, candidate_anchor: other[at] }, { note: DIFFER[kind] })));
   const found = [...contradicting, ...agreeing, ...differing].filter(Boolean);
   const all = [...found, ...alikeElsewhere(found, here, there)];
   let agreed = 0;

@@ -1,5 +1,6 @@
 // Place: the answer to "where am I?", told in words.
 
+import { bars, percent } from "./viewer_evidence.js";
 import { bearingFrom } from "./viewer_scene.js";
 import { copyable, count, el, number, sign } from "./dom.js";
 import { why } from "./viewer_verdict.js";
@@ -7,9 +8,6 @@ import { why } from "./viewer_verdict.js";
 const TONES = { located: "good", ambiguous: "open", unknown: "" };
 const SOURCES = { views: "from the geometry of both views", anchors: "from the signs that agree" };
 const ASSUMED = { upright: "both cameras are equally upright" };
-/** Confidences in words, from the highest down. */
-const WORDS = [[0.99, "as good as certain"], [0.9, "very likely"], [0.6, "more likely than not"], [0.4, "as likely as not"],
-  [0.1, "possible"], [0, "unlikely"]];
 /** Directions seen from above, an eighth of a turn each, from straight ahead to the right. */
 const DIRECTIONS = ["ahead", "ahead on the right", "on the right", "behind on the right",
   "behind", "behind on the left", "on the left", "ahead on the left"];
@@ -17,11 +15,6 @@ const DIRECTIONS = ["ahead", "ahead on the right", "on the right", "behind on th
 /** The colour in which a place is drawn, by its verdict. */
 export function toneOfPlace(verdict) {
   return TONES[verdict] || "muted";
-}
-
-/** A confidence, rounded down: 99.96 % is not a hundred. */
-export function percent(confidence) {
-  return `${number(Math.floor(confidence * 1000) / 10, 1)} %`;
 }
 
 /** The signs to look for, each once: a sign that its map has as several anchors is listed for each of them. */
@@ -32,12 +25,11 @@ export function distinctSigns(signs) {
 
 /** The whole answer. `map` and `scene` are those on the page; `curl()` gives the request it answers. */
 export function tellPlaces(answer, { refs, map, scene, curl }) {
-  const { verdict, confidence, places, reason } = answer;
+  const { verdict, why: sentence, places } = answer;
   const signs = distinctSigns(answer.look_for);
   return el("section", { class: `verdict ${TONES[verdict] ?? ""}` },
     el("h3", {}, headline(answer)),
-    places.length > 0 && el("p", {}, `The first place is ${inWords(confidence)} (${percent(confidence)}).`),
-    reason && el("p", {}, why(reason)),
+    el("p", {}, sign(sentence)),
     signs.length > 0 && [el("h4", {}, "What would tell the places apart"),
       el("ul", { class: "lines" }, signs.map((one) => el("li", {}, lookFor(one, places, map, scene))))],
     el("ol", { class: "candidates" }, places.map((place, index) => card(place, index, { refs, map }))),
@@ -57,10 +49,6 @@ function headline({ verdict, places }) {
   return places.length === 0 ? "Unknown: nothing in the maps is like it" : "Unknown: the places are guesses";
 }
 
-function inWords(confidence) {
-  return WORDS.find(([least]) => confidence >= least)?.[1] ?? WORDS.at(-1)[1];
-}
-
 function card(place, index, { refs, map }) {
   const { verdict, confidence, keyframe } = place;
   return el("li", { class: "candidate" },
@@ -69,6 +57,7 @@ function card(place, index, { refs, map }) {
     el("div", { class: "muted small" }, "map ", sign(place.map), place.map !== map && " (not the one shown)",
       ", session ", sign(place.session)),
     el("ul", { class: "pairs small" }, evidence(place).map(([tone, ...text]) => el("li", { class: tone }, text))),
+    bars(place.evidence),
     el("p", { class: "small" }, pose(place)));
 }
 

@@ -1,8 +1,9 @@
 // Verdict: the answer to a loop query, told as one person would tell another.
 
 import { el, number, copyable, count, sign } from "./dom.js";
+import { bars, percent } from "./viewer_evidence.js";
 import { whyNot } from "./viewer_why_not.js";
-import { DIFFERENCES, REASONS } from "./words.js";
+import { REASONS } from "./words.js";
 
 const TONES = { loop: "good", verified: "good", rejected: "bad", no_loop: "bad", failed: "bad", undecided: "open" };
 const NAMES = { loop: "loop", no_loop: "no loop", undecided: "undecided", rejected: "rejected" };
@@ -30,7 +31,7 @@ export function explain(answer, { refs, described, curl, version, compare }) {
   const stale = version > answer.map_version && `The map has moved on to version ${version} since.`;
   return el("section", { class: `verdict ${toneOf(answer.verdict)}` },
     el("h3", {}, headline(answer, refs)),
-    answer.reason && el("p", {}, why(answer.reason)),
+    el("p", {}, answer.why ? sign(answer.why) : answer.reason && why(answer.reason)),
     closedLoops(answer.closed ?? [], refs),
     answer.verdict === "loop" && el("p", { class: "muted small" },
       "A verdict is not yet a closed loop: the client confirms it once it has closed it (POST …/loops)."),
@@ -67,7 +68,7 @@ function card(candidate, open, context) {
       chipOf(verdict), " ", el("span", { class: "muted small" }, brief(candidate))),
     el("button", { type: "button", class: "compare-it", click: () => context.compare(candidate) }, "Compare side by side"),
     el("p", {}, context.refs.keyframe(keyframe), ": ", reason ? why(reason) : "it passed every check that could run."),
-    el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
+    el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate), sum(candidate))));
 }
 
 /** What decided, in a few words and figures. */
@@ -116,19 +117,21 @@ function stoppedByAnchors(reason) {
   return effect === "rejects" ? "fail" : "open";
 }
 
-function anchors({ anchors: figures, reason }, { refs, described }) {
+function anchors({ anchors: figures, confidence, reason }, { refs, described }) {
   const title = "Anchors around the two";
   if (!figures) return check("none", title, "", el("p", {}, "Not reached."));
   const { similarity, threshold, in_query: here, in_candidate: there, pending, matches, contradictions } = figures;
-  const differences = figures.differences ?? [];
   const empty = here === 0 || there === 0;
-  const state = stoppedByAnchors(reason) ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
+  // S decides under the paper's method alone, which has no sum.
+  const decides = confidence === undefined && !empty;
+  const agrees = decides ? similarity > threshold : matches.length > 0;
+  const state = stoppedByAnchors(reason) ?? (agrees ? "pass" : empty ? "none" : "open");
   const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
   const degrees = (radians) => number(radians * 180 / Math.PI, 0);
   return check(state, title, empty ? "" : `S = ${number(similarity)}`,
-    empty ? null : bar(similarity, threshold),
+    decides && bar(similarity, threshold),
     el("p", {}, `${count(here, "described anchor")} here, ${there} there`, pending > 0 && `, ${pending} not described yet`,
-      empty ? "." : ["; S must exceed ", number(threshold), "."]),
+      decides ? ["; S must exceed ", number(threshold), "."] : "."),
     el("ul", { class: "pairs" },
       matches.map((pair) => el("li", { class: "agrees" },
         el("div", {}, named(pair.query_anchor), " is like ", named(pair.candidate_anchor)),
@@ -139,14 +142,15 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
         el("div", {}, sign(pair.reason)),
         el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
           pair.weight !== undefined && `; weight ${number(pair.weight)}`)))),
-    differences.length > 0 && [el("p", { class: "small" }, "What differs, and why it did not count:"),
-      el("ul", { class: "pairs" }, differences.map((pair) => el("li", {},
-        el("div", {}, sign(pair.query_identifier), " here, ", sign(pair.candidate_identifier), " there: ",
-          DIFFERENCES[pair.reason] ?? pair.reason.replaceAll("_", " ")),
-        el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
-          "; ", sign(pair.detail)))))],
-    contradictions.length > 0 && reason?.code !== "contradiction"
-      && el("p", { class: "muted small" }, "What contradicts does not outweigh what agrees."));
+  );
+}
+
+/** What all of it comes to; absent under the paper's method. */
+function sum({ verdict, confidence, evidence = [] }) {
+  if (confidence === undefined) return null;
+  const state = { loop: "pass", rejected: "fail" }[verdict] ?? "open";
+  return check(state, "Sum of the evidence", percent(confidence),
+    bars(evidence) ?? el("p", {}, "Nothing speaks for this place, and nothing against it."));
 }
 
 /** Who judged two descriptions, within a sentence. */

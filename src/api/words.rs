@@ -3,9 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use crate::domain::anchor::AnchorState;
-use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
 use crate::domain::reason::ReasonCode;
+use crate::domain::verdict::EvidenceKind;
 use crate::named::Named;
 
 /// Returns the script.
@@ -15,10 +15,9 @@ pub fn script() -> String {
         let (class, check) = (words.class.as_str(), words.check.as_str());
         json!({"title": words.title, "sentence": code.meaning(), "class": class, "check": check})
     };
-    let difference = |reason: DifferenceReason| json!(reason.words().title);
     [
         exported("REASONS", &by_name(reason)),
-        exported("DIFFERENCES", &by_name(difference)),
+        exported("EVIDENCE", &by_name(|kind: EvidenceKind| json!(kind.meaning()))),
         exported("EVENTS", &json!(EventKind::NAMES)),
         exported("ANCHOR_STATES", &json!(AnchorState::NAMES)),
     ]

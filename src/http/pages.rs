@@ -57,6 +57,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_draw.js"
     "viewer_empty.js"
     "viewer_events.js"
+    "viewer_evidence.js"
     "viewer_follow.js"
     "viewer_gauges.js"
     "viewer_keys.js"

@@ -59,8 +59,8 @@ export const comparing = {
       assert.ok(marks.length >= 2 && marks.every((colour) => colour === red), `${marks} are ${red}`);
       assert.match(await page.textContent("dialog .figures-of .gauge.off"), /anchors, S.*✕ 0, more than 0\.3 needed/s);
       assert.match(await page.locator("dialog li.contradicts").first().textContent(), /reads 901 where 903 hung.*901.*903/s);
-      // Something stands too far off to be a pair: 1.94 m, and 1 m is the limit.
-      assert.match(await page.locator("dialog .compared .gauge.off").first().textContent(), /distance apart✕ 1\.94 m of 1 m/);
+      // Something stands too far off to be one pair, and by how much is said.
+      assert.match(await page.locator("dialog .compared .gauge.off").first().textContent(), /distance apart✕ [\d.]+ m of 1 m/);
       // Without pictures the signs' texts stand side by side.
       await page.keyboard.press("Escape");
       await compared(page, "robot-3-1");
@@ -131,6 +131,11 @@ export const comparing = {
     assert.ok(few > 0 && few <= stopped.length);
     await page.locator("#sweep li >> text=why").first().click();
     await page.waitForSelector("#details h2:has-text('Loop query')");
+    // The sum by which the first candidate is none, each term with its bar.
+    const sum = page.locator("#details .check:has(h4:has-text('Sum of the evidence'))").first();
+    assert.match(await sum.textContent(), /evidence[\d.]+ %/);
+    const weights = await sum.locator(".odds .figure").allTextContents();
+    assert.ok(weights.length > 0 && weights.every((weight) => /^[+-]?\d/.test(weight.replace("−", "-"))), `${weights}`);
     await page.close();
     await server.stop();
   },

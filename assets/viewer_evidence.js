@@ -1,0 +1,27 @@
+// Evidence: the sum by which a candidate is a loop or none (M64), as bars to either side of even odds.
+
+import { el, number, sign } from "./dom.js";
+import { EVIDENCE } from "./words.js";
+
+/** A confidence, rounded down: 99.96 % is not a hundred. */
+export function percent(confidence) {
+  return `${number(Math.floor(confidence * 1000) / 10, 1)} %`;
+}
+
+/** A term of this weight or more fills its side. */
+const WIDEST = 10;
+
+/** The bars of the terms of a sum, the heaviest first; null where it has none. */
+export function bars(evidence) {
+  const heaviest = [...evidence].sort((a, b) => Math.abs(b.log_odds) - Math.abs(a.log_odds));
+  return heaviest.length === 0 ? null : el("ul", { class: "odds" }, heaviest.map(term));
+}
+
+function term({ kind, about, log_odds: odds }) {
+  const filled = el("span", { class: odds < 0 ? "against" : "for" });
+  filled.style.width = `${Math.min(Math.abs(odds) / WIDEST, 1) * 50}%`;
+  return el("li", { title: EVIDENCE[kind] ?? kind },
+    el("span", {}, kind.replaceAll("_", " "), about && [" ", sign(about)]),
+    el("span", { class: "figure" }, `${odds > 0 ? "+" : ""}${number(odds, 1)}`),
+    el("div", { class: "odds-bar", "aria-hidden": "true" }, filled));
+}
