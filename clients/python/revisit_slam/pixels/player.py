@@ -9,6 +9,7 @@ from typing import Any
 
 from ..client import Client
 from ..models import Candidate, LoopAnswer
+from .evidence import reads_another_name
 from .frames import Frame
 from .keyframes import Keyframe, keyframes
 from .options import Options
@@ -51,7 +52,7 @@ class Run:
         return found
 
     def rejected(self) -> list[tuple[Seen, Candidate]]:
-        """Return look-alikes that were rejected or left open: contradictions first, then by likeness; one a pair of videos."""
+        """Return look-alikes that were rejected or left open: those with another name at the same spot first, then by likeness; one a pair of videos."""
         pairs = [
             (seen, candidate)
             for seen in self.seen.values()
@@ -80,7 +81,7 @@ class Run:
 
 
 def _rank(candidate: Candidate) -> int:
-    return 0 if candidate.anchors is not None and candidate.anchors.contradictions else 1
+    return 0 if reads_another_name(candidate) else 1
 
 
 def _likeness(candidate: Candidate) -> float:

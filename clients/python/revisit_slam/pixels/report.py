@@ -10,10 +10,11 @@ import cv2
 
 from ..errors import RevisitError
 from ..models import Candidate
+from .evidence import agreeing, contradicting
 from .player import Run, Seen
 from .signs import Sign
 from .sources import Source
-from .table import evidence, mark
+from .table import because, mark
 from .truth import Truth
 
 MAX_LOOPS = 100
@@ -57,13 +58,18 @@ def report(run: Run, truth: Truth | None, source: Source) -> str:
         _figures(run, truth),
         f"<h2>Same place ({len(loops)})</h2>",
     ]
-    parts += [_pair(run, truth, seen, best) for seen, best in loops[:MAX_LOOPS]]
+    parts += [_pair(run, truth, seen, best) for seen, best in sorted(loops, key=_surest_first)[:MAX_LOOPS]]
     if len(loops) > MAX_LOOPS:
         parts.append(f"<p>The first {MAX_LOOPS} of {len(loops)} are shown.</p>")
     parts.append(f"<h2>Look-alikes that are no loop, or not for certain ({min(len(rejected), MAX_REJECTED)} of {len(rejected)})</h2>")
-    parts.append("<p>One for each two videos: contradictions first, then by likeness.</p>")
+    parts.append("<p>One for each two videos: those with another name at the same spot first, then by likeness.</p>")
     parts += [_pair(run, truth, seen, candidate) for seen, candidate in rejected[:MAX_REJECTED]]
     return "\n".join(parts) + "\n</html>\n"
+
+
+def _surest_first(found: tuple[Seen, Candidate]) -> tuple[float, str]:
+    seen, best = found
+    return -(best.confidence or 0.0), seen.frame.id
 
 
 def _figures(run: Run, truth: Truth | None) -> str:
@@ -80,16 +86,16 @@ def _figures(run: Run, truth: Truth | None) -> str:
 def _pair(run: Run, truth: Truth | None, seen: Seen, candidate: Candidate) -> str:
     other = run.seen[candidate.keyframe]
     here, there = Side(set(), set()), Side(set(), set())
-    if candidate.anchors is not None:
-        for match in candidate.anchors.matches or ():
-            here.agree.add(match.query_anchor)
-            there.agree.add(match.candidate_anchor)
-        for contradiction in candidate.anchors.contradictions:
-            here.against.add(contradiction.query_anchor)
-            there.against.add(contradiction.candidate_anchor)
+    for own, others in agreeing(candidate):
+        here.agree.add(own)
+        there.agree.add(others)
+    # In a loop it was outweighed: what decided is shown.
+    for own, others in contradicting(candidate) if candidate.verdict != "loop" else ():
+        here.against.add(own)
+        there.against.add(others)
     if candidate.verdict == "loop":
         kind, head = "loop", "Same place"
-        why = evidence(run, candidate)
+        why = because(seen, candidate)
     else:
         kind, head = "none", "Not the same place" if candidate.verdict == "rejected" else "Undecided"
         why = candidate.reason.detail if candidate.reason else ""

@@ -11,17 +11,10 @@ MAX_LOOPS = 200
 MAX_REJECTED = 20
 
 
-def evidence(run: Run, candidate: Candidate) -> str:
-    """Return the texts that a candidate's decision rests on."""
-    parts = []
-    if candidate.anchors is not None:
-        agreed = {run.text_of(match.query_anchor) for match in candidate.anchors.matches or ()}
-        if agreed:
-            parts.append("both read " + ", ".join(sorted(agreed)))
-        parts += sorted({contradiction.reason for contradiction in candidate.anchors.contradictions})
-    if candidate.geometry.status == "verified":
-        parts.append(f"{candidate.geometry.inliers} inliers")
-    return "; ".join(parts)
+def because(seen: Seen, best: Candidate) -> str:
+    """Return what a loop rests on."""
+    inliers = f" {best.geometry.inliers} points fit." if best.geometry.status == "verified" else ""
+    return f"{seen.answer.why}{inliers}" if seen.answer is not None else ""
 
 
 def table(run: Run, truth: Truth | None) -> str:
@@ -30,7 +23,7 @@ def table(run: Run, truth: Truth | None) -> str:
     loops = run.loops()
     if loops:
         lines.append("loops:")
-        rows = [(seen.frame.id, best.keyframe, mark(truth, seen, best), evidence(run, best)) for seen, best in loops]
+        rows = [(seen.frame.id, best.keyframe, mark(truth, seen, best), because(seen, best)) for seen, best in loops]
         lines += columns(("photograph", "same place as", "truth" if truth else "", "because"), rows[:MAX_LOOPS])
         if len(rows) > MAX_LOOPS:
             lines.append(f"  ... and {len(rows) - MAX_LOOPS} more")
