@@ -11,7 +11,7 @@
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`frames`], [`release`], [`erasure`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
-//! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
+//! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`location`] | "where am I?" and its answer |
 //! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
 //! | [`trajectory`], [`recording`] | poses as TUM, KITTI and g2o write them; a map as a recording |
@@ -24,7 +24,6 @@ pub mod anchor;
 pub mod backup;
 pub mod bulk;
 pub mod decoding;
-pub mod difference;
 pub mod erasure;
 pub mod event;
 pub mod examples;

@@ -12,7 +12,6 @@ use utoipa::{PartialSchema, ToSchema};
 
 use crate::domain::anchor::{AnchorState, IgnoredReason};
 use crate::domain::channel::Channel;
-use crate::domain::difference::DifferenceReason;
 use crate::domain::erasure::ErasureState;
 use crate::domain::event::EventKind;
 use crate::domain::global_descriptor::GlobalEncoding;
@@ -64,7 +63,6 @@ names! {
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
     ChannelName = Channel as "Channel";
     DetailName = Detail as "Detail";
-    DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
     GeometryStatusName = GeometryStatus as "GeometryStatus";
     GlobalEncodingName = GlobalEncoding as "GlobalEncoding";

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::difference::DifferenceView;
 use super::geometry::GeometryView;
 use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
 use super::odds::EvidenceView;
@@ -158,9 +157,6 @@ pub struct AnchorFigures {
     pub matches: Option<Vec<MatchView>>,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionView>,
-    /// Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with why; heaviest first.
-    #[schema(max_items = 8)]
-    pub differences: Vec<DifferenceView>,
 }
 
 /// A pair of anchors that match.
@@ -311,7 +307,6 @@ impl AnchorFigures {
             pending: anchors.pending,
             matches: (detail == Detail::Full).then(matches),
             contradictions: anchors.contradictions.iter().map(ContradictionView::from).collect(),
-            differences: anchors.differences.iter().map(DifferenceView::from).collect(),
         }
     }
 }

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 
 use regex::Regex;
-use revisit::domain::difference::DifferenceReason;
 use revisit::domain::location::{Assumption, LocationVerdict, PoseSource};
 use revisit::domain::loop_warning::LoopWarningCode;
 use revisit::domain::reason::{ReasonCheck, ReasonClass, ReasonCode};
@@ -38,15 +37,11 @@ fn the_page_of_reasons_has_the_tables_of_the_model() {
         let (class, check) = (words.class.as_str(), words.check.as_str());
         format!("| `{}` | {} | {class} | {check} | {explanation} |", code.as_str(), words.title)
     });
-    let differences = DifferenceReason::VALUES
-        .iter()
-        .map(|reason| format!("| `{}` | {} | {} |", reason.as_str(), reason.words().title, reason.meaning()));
     let page = read("docs/reasons.md");
     for table in [
         table("| code | title | class | check | meaning |", reasons),
         meanings::<ReasonClass>("| class | meaning |"),
         meanings::<ReasonCheck>("| check | meaning |"),
-        table("| code | title | meaning |", differences),
         meanings::<LoopWarningCode>("| code | meaning |"),
     ] {
         assert!(page.contains(&table), "docs/reasons.md lacks this table; put it there:\n{table}");
@@ -68,7 +63,6 @@ fn the_api_document_has_every_code_with_its_meaning() {
     }
     let schemas = schemas();
     check::<ReasonCode>(&schemas, "ReasonCode");
-    check::<DifferenceReason>(&schemas, "DifferenceReason");
     check::<LoopWarningCode>(&schemas, "LoopWarningCode");
     let code = &schemas["Reason"]["properties"]["code"];
     assert_eq!(code["$ref"], "#/components/schemas/ReasonCode");

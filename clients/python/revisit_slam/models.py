@@ -70,23 +70,6 @@ class DetectionRange(OpenEnum):
     ASSUMED = "assumed"
 
 
-class DifferenceReason(OpenEnum):
-    """The reason why a differing identifier did not count as a contradiction, or not enough."""
-
-    ANOTHER_PLACE = "another_place"
-    """The two do not stand at the same relative place."""
-    KNOWN_ELSEWHERE = "known_elsewhere"
-    """One of the two also hangs elsewhere in the other map."""
-    NO_CONFLICT = "no_conflict"
-    """The judge sees no conflict: look-alike characters, or numbers of different kinds of things."""
-    PAIRED_OTHERWISE = "paired_otherwise"
-    """One of the two contradicts another anchor already; each counts once."""
-    OUTWEIGHED = "outweighed"
-    """It counts, and the signs that agree weigh as much or more."""
-    VETO_OFF = "veto_off"
-    """The map's settings leave contradictions out."""
-
-
 class ErasureState(OpenEnum):
     """The state of an erasure."""
 
@@ -560,10 +543,6 @@ class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Anchors of both maps that nothing has described yet."""
     contradictions: list[Contradiction]
     """The pairs that contradict."""
-    differences: list[Difference]
-    """Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with
-    why; heaviest first.
-    """
     matches: list[Match] | None = None
     """The pairs that match; left out with `?detail=brief`."""
 
@@ -931,27 +910,6 @@ class DetectionView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Why it was ignored."""
     state: AnchorState | None = None
     """How far the anchor's description is."""
-
-
-class Difference(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """A pair of anchors of one class whose identifiers differ without stopping the candidate, and why."""
-
-    query_anchor: str
-    """The anchor of the query's local map."""
-    candidate_anchor: str
-    """The anchor of the candidate's local map."""
-    query_identifier: str
-    """The identifier on the query's anchor."""
-    candidate_identifier: str
-    """The identifier on the candidate's anchor."""
-    reason: DifferenceReason
-    """The reason why it did not count as a contradiction, or not enough."""
-    detail: str
-    """One sentence for a person."""
-    measured: float | None = None
-    """The measured value: metres or radians for `another_place`, weights in 1/m for `outweighed`."""
-    limit: float | None = None
-    """The value that it was compared with, in the same unit."""
 
 
 class Erasure(msgspec.Struct, kw_only=True, omit_defaults=True):

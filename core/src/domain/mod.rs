@@ -32,7 +32,6 @@ pub mod bow;
 pub mod change;
 pub mod channel;
 pub mod counted;
-pub mod difference;
 pub mod erasure;
 pub mod event;
 pub mod fleet_frames;

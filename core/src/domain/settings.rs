@@ -174,7 +174,7 @@ settings! {
     without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided }, Paper("§V-B"),
         "the verdict when either local anchor map is empty, which the paper leaves open (0/0): undecided, reject or geometry";
     association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0, "m" }, Ours,
-        "a detection with a position and no map points joins an anchor within this distance, in metres; also the distance at which covisible anchors that match are merged";
+        "a detection with a position and no map points joins the nearest anchor of its class that a covisible keyframe saw, within this distance, in metres; also the distance at which covisible anchors that match are merged";
     candidates_min_score_ratio: f64 = Number { 0.0, 0.0, 1000.0, "1" }, Ours,
         "a bag-of-words candidate must score at least this share of reference_score; 0 is off";
     geometry_min_matches: u32 = Count { 20, 3, 100_000, "1" }, OrbSlam,

@@ -2,7 +2,6 @@
 
 pub use super::anchor_name::AnchorName;
 use super::channel::ProposedBy;
-use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
 use super::look_for::LookFor;
 use super::reason::ReasonClass;
@@ -110,8 +109,6 @@ pub struct AnchorEvidence {
     pub is_distinctive: bool,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionEvidence>,
-    /// The pairs whose identifiers differ without stopping the candidate, heaviest first.
-    pub differences: Vec<DifferenceEvidence>,
 }
 
 /// The last step of §V: the similarity transformation.

@@ -24,7 +24,6 @@
 //! | §V, the answer | [`loops::decision`] | [`loops::check_loop::verify_and_decide`] |
 //! | ours: distinctive weights | [`extensions::distinctiveness`] | [`extensions::distinctiveness::PlaceCounts`] |
 //! | ours: other names at one place | [`extensions::contradiction`] | [`extensions::contradiction::contradict`] |
-//! | ours: why a differing identifier did not count | [`extensions::difference`] | [`extensions::difference::find_differing`] |
 //! | ours: why S is low | [`loops::low_score`] | [`loops::low_score::explain_low_score`] |
 //! | ours: whether two sightings may be one place (M6) | [`extensions::sighting`] | [`extensions::sighting::Sighting::may_be_at`] |
 //! | ours: what speaks against a loop that a client closes | [`extensions::loop_warning`] | [`extensions::loop_warning::loop_warning`] |

@@ -25,7 +25,6 @@ fn by_detections(mut verdict: Verdict, outcomes: &[Outcome]) -> Verdict {
     for evidence in verdict.candidates.iter_mut().filter_map(|candidate| candidate.anchors.as_mut()) {
         evidence.matches.iter_mut().for_each(|pair| inline(&mut pair.query_anchor));
         evidence.contradictions.iter_mut().for_each(|pair| inline(&mut pair.query_anchor));
-        evidence.differences.iter_mut().for_each(|pair| inline(&mut pair.query_anchor));
     }
     for odds in verdict.candidates.iter_mut().filter_map(|candidate| candidate.odds.as_mut()) {
         let pairs = odds.terms.iter_mut().flat_map(|term| &mut term.pairs);

@@ -14,7 +14,6 @@
 //! | the gates of §V-B are strict | `strictness.rs` |
 //! | M6, M27 distinctive weights | `distinctive.rs` |
 //! | M7 contradictions, and what the sum makes of them | `contradiction.rs` |
-//! | M7 differing identifiers that are no contradictions | `differences.rs` |
 //! | M10 one passage is no return, M21 unsure readings | `passage.rs` |
 //! | M11, M28, M39 verdicts: what is missing, and which checks run | `verdicts.rs` |
 //! | M14 names: wings, cut plates, notices | `names.rs` |
@@ -41,7 +40,6 @@ mod closing;
 mod construction;
 mod contradiction;
 mod correction;
-mod differences;
 mod distinctive;
 mod equation;
 mod inline;

@@ -31,8 +31,7 @@ pub fn loop_answer() -> Value {
                         "query_anchor": "a-7", "candidate_anchor": "a-2", "kind": "name", "level": 5, "source": "identical",
                         "angle_difference_rad": 0.1, "distance_difference_m": 0.3, "weight": 1.2
                     }],
-                    "contradictions": [],
-                    "differences": []
+                    "contradictions": []
                 },
                 "geometry": {
                     "status": "verified", "model": "sim3", "matches": 190, "hypotheses": 34, "inliers": 143,
@@ -60,11 +59,6 @@ pub fn loop_answer() -> Value {
                     "contradictions": [{
                         "query_anchor": "a-7", "candidate_anchor": "a-11",
                         "reason": "reads 910 where 901 hung", "weight": 1.0
-                    }],
-                    "differences": [{
-                        "query_anchor": "a-8", "candidate_anchor": "a-12", "query_identifier": "104",
-                        "candidate_identifier": "107", "reason": "paired_otherwise",
-                        "detail": "104 or 107 contradicts another sign already, and each counts once"
                     }]
                 },
                 "geometry": {"status": "skipped", "reason": "it could not turn the answer"},

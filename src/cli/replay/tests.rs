@@ -81,7 +81,7 @@ fn loop_answer(body: &Value) -> Value {
         json!({"keyframe": id, "verdict": verdict, "geometry": {"status": "skipped"},
             "bow": {"score": bow, "common_words": 1, "reference_score": 0.0},
             "anchors": {"similarity": similarity, "threshold": 0.3, "in_query": 1, "in_candidate": 1, "pending": 0,
-                "matches": [], "contradictions": [], "differences": []},
+                "matches": [], "contradictions": []},
             "reason": if verdict == "loop" { Value::Null } else { reason }})
     };
     let (verdict, best, candidates) = match body["keyframe"].as_str() {

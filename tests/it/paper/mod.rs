@@ -13,7 +13,6 @@ mod code_classes;
 mod construction;
 mod contradiction;
 mod correction;
-mod differences;
 mod distinctive;
 mod equation;
 mod evidence;

@@ -4,7 +4,6 @@ pub mod changed_signs;
 pub mod closed_return;
 pub mod company;
 pub mod contradiction;
-pub mod difference;
 pub mod distinctiveness;
 pub mod loop_warning;
 pub mod passage;

@@ -16,7 +16,6 @@ use crate::domain::method::Method;
 use crate::domain::verdict::{Candidate, ReasonCode, Verify};
 use crate::recognition::extensions::closed_return::repeated_loop;
 use crate::recognition::extensions::company::Companies;
-use crate::recognition::extensions::difference::find_differing;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::returning::{Returning, is_in_view, is_tracked, returning_identifier};
 use crate::recognition::extensions::tracked_path::TrackedPath;
@@ -73,8 +72,7 @@ impl<'a> AnchorCheck<'a> {
         let centre = Centre::stored(index, keyframe)?;
         let around = local_anchor_map(index, &centre, &mut counts.places);
         let comparison = compare(&self.around, &around, index, settings);
-        let differing = find_differing(&self.around, &around, &comparison, index.texts(), settings);
-        candidate.anchors = Some(evidence::anchors(&comparison, &differing, settings));
+        candidate.anchors = Some(evidence::anchors(&comparison, settings));
         let mut pre_verified = match settings.method {
             Method::Paper => self.by_letter(keyframe, candidate, &around, &comparison),
             Method::Revisit => {

@@ -12,7 +12,6 @@ use crate::domain::verdict::{
     GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
 use crate::recognition::extensions::contradiction::Contradiction;
-use crate::recognition::extensions::difference::{Differing, Ruling, relative_placement};
 use crate::recognition::extensions::worst_case::WorstCase;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::{Failure, Status, Verification};
@@ -46,15 +45,8 @@ pub(in crate::recognition) fn bow(score: Score, reference_score: f64) -> BowEvid
 
 pub(in crate::recognition) fn anchors(
     comparison: &Comparison<'_>,
-    differing: &[Differing],
     settings: &Settings,
 ) -> AnchorEvidence {
-    let (contradictions, agreement) = (&comparison.contradictions, comparison.agreement());
-    let ruling = Ruling { contradictions, agreement };
-    let explain = |pair: &Differing| {
-        let placement = relative_placement(pair.query(), pair.candidate(), settings);
-        pair.explain(&placement, ruling, settings)
-    };
     AnchorEvidence {
         similarity: comparison.similarity,
         threshold: settings.anchor_map_min_similarity,
@@ -78,7 +70,6 @@ pub(in crate::recognition) fn anchors(
             .collect(),
         is_distinctive: comparison.least_places() == Some(1),
         contradictions: comparison.contradictions.iter().map(contradiction).collect(),
-        differences: differing.iter().filter_map(explain).collect(),
     }
 }
 
