@@ -109,7 +109,7 @@ async fn the_trajectory_of_the_fleet_has_both_robots_in_the_frame_of_one() {
         text.lines().filter(|line| !line.starts_with('#')).map(numbers).collect::<Vec<_>>()
     };
     let all = tum("&frame=fleet").await;
-    assert_eq!(all.iter().map(|line| line[0]).collect::<Vec<_>>(), [1.0, 1.0, 2.0, 2.0]);
+    assert_eq!(all.iter().map(|line| line[0]).collect::<Vec<_>>(), [1.0, 2.0, 1.0, 2.0], "a, then b");
     // In the world, which is the frame of a, b stood where its camera was planted.
     let planted = query_pose().translation_m();
     let of_b = tum("&frame=fleet&session=b").await;

@@ -2401,8 +2401,9 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     undecided, reject or geometry
     """
     association_position_radius_m: float | None = None
-    """ours: a detection with a position and no map points joins an anchor within this distance, in metres;
-    also the distance at which covisible anchors that match are merged
+    """ours: a detection with a position and no map points joins the nearest anchor of its class that a
+    covisible keyframe saw, within this distance, in metres; also the distance at which covisible
+    anchors that match are merged
     """
     candidates_min_score_ratio: float | None = None
     """ours: a bag-of-words candidate must score at least this share of reference_score; 0 is off"""

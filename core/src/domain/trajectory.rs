@@ -16,6 +16,8 @@ pub struct TrajectoryReport {
     pub loops: Vec<Loop>,
     /// Whether all poses are in one frame.
     pub is_in_one_frame: bool,
+    /// The sessions that nothing joins with that frame, in order of appearance; they are not among `sessions`.
+    pub unjoined: Vec<SessionId>,
 }
 
 /// One session's keyframes, by stamp; of one stamp in order of arrival.

@@ -6,12 +6,12 @@ mod measured;
 
 pub use measured::MeasuredLoop;
 
-use std::borrow::Cow;
+use std::fmt::Write as _;
 
 use self::g2o::g2o;
 use self::lines::{kitti, tum};
 use crate::domain::invalid::FieldError;
-use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
+use crate::domain::trajectory::{SessionTrack, TrajectoryReport};
 
 /// A format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,34 +48,36 @@ pub fn write_trajectory(
     format: TrajectoryFormat,
 ) -> Result<String, FieldError> {
     match format {
-        TrajectoryFormat::Tum => Ok(one_track(report)?.map(|track| tum(&track)).unwrap_or_default()),
-        TrajectoryFormat::Kitti => Ok(one_track(report)?.map(|track| kitti(&track)).unwrap_or_default()),
+        TrajectoryFormat::Tum => Ok(lines(report, tum)?),
+        TrajectoryFormat::Kitti => Ok(lines(report, kitti)?),
         TrajectoryFormat::G2o => Ok(g2o(report, measured)),
     }
 }
 
-/// Returns the one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its
-/// own; or all of them by stamp, where they are in one frame.
-fn one_track(report: &TrajectoryReport) -> Result<Option<Cow<'_, SessionTrack>>, FieldError> {
-    match report.sessions.as_slice() {
-        [] => Ok(None),
-        [one] => Ok(Some(Cow::Borrowed(one))),
-        [first, ..] if report.is_in_one_frame => {
-            let all = report.sessions.iter().flat_map(|track| track.keyframes.iter().cloned());
-            let mut keyframes: Vec<TrackedPose> = all.collect();
-            keyframes.sort_by_key(|pose| (pose.stamp.sec, pose.stamp.nanosec));
-            Ok(Some(Cow::Owned(SessionTrack { session: first.session.clone(), keyframes })))
-        }
-        several => {
-            let names: Vec<&str> = several.iter().take(10).map(|track| track.session.as_str()).collect();
-            let detail = "the map has several sessions, each with a frame of its own: name one";
-            Err(FieldError::new("?session", detail).got(format!(
-                "{} sessions: {}",
-                several.len(),
-                names.join(", ")
-            )))
-        }
+/// Writes the lines of one session, which say nothing of sessions. In the frame of a fleet several follow each other, each after a
+/// comment with its name, and comments name those that are left out. evo passes over comments.
+fn lines(report: &TrajectoryReport, write: fn(&SessionTrack) -> String) -> Result<String, FieldError> {
+    if let (false, [_, _, ..]) = (report.is_in_one_frame, report.sessions.as_slice()) {
+        let names: Vec<&str> = report.sessions.iter().take(10).map(|track| track.session.as_str()).collect();
+        let detail =
+            "the map has several sessions, each with a frame of its own: name one, or ask for `frame=fleet`";
+        let got = format!("{} sessions: {}", report.sessions.len(), names.join(", "));
+        return Err(FieldError::new("?session", detail).got(got));
     }
+    let mut text = String::new();
+    for session in &report.unjoined {
+        let _ = writeln!(
+            text,
+            "# left out: {session}, which no loop with a transformation and no plan joins to the others"
+        );
+    }
+    for track in &report.sessions {
+        if report.is_in_one_frame {
+            let _ = writeln!(text, "# session {}: {} poses", track.session, track.keyframes.len());
+        }
+        text += &write(track);
+    }
+    Ok(text)
 }
 
 #[cfg(test)]

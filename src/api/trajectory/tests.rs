@@ -1,6 +1,6 @@
 //! The three formats, number by number.
 
-use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, one_track, tum, write_trajectory};
+use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, lines, tum, write_trajectory};
 use crate::domain::change::Loop;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Stamp;
@@ -48,6 +48,7 @@ fn two_sessions() -> TrajectoryReport {
         ],
         loops: vec![closed("l-1", "c", "b"), closed("l-2", "c", "a")],
         is_in_one_frame: false,
+        unjoined: Vec::new(),
     }
 }
 
@@ -73,14 +74,22 @@ fn twelve_numbers_are_the_rows_of_the_pose() {
 }
 
 #[test]
-fn lines_say_nothing_of_sessions_so_one_must_be_named() {
-    let error = one_track(&two_sessions()).unwrap_err();
+fn lines_say_nothing_of_sessions_so_one_must_be_named_or_each_follows_its_name() {
+    let error = lines(&two_sessions(), tum).unwrap_err();
     assert_eq!(error.pointer, "?session");
     let one = TrajectoryReport { sessions: two_sessions().sessions[..1].to_vec(), ..two_sessions() };
-    assert_eq!(one_track(&one).unwrap().unwrap().session.as_str(), "s-1");
-    let in_one = TrajectoryReport { is_in_one_frame: true, ..two_sessions() };
-    let all = one_track(&in_one).unwrap().unwrap();
-    assert_eq!(all.keyframes.iter().map(|pose| pose.stamp.sec).collect::<Vec<_>>(), [1, 2, 9]);
+    assert_eq!(lines(&one, tum).unwrap().lines().count(), 3);
+    let unjoined = vec!["s-3".parse().unwrap()];
+    let in_one = TrajectoryReport { is_in_one_frame: true, unjoined, ..two_sessions() };
+    let text = lines(&in_one, tum).unwrap();
+    let starts: Vec<&str> = text.lines().map(|line| line.split([',', '.', ':']).next().unwrap()).collect();
+    let title = "# timestamp tx ty tz qx qy qz qw";
+    assert_eq!(
+        starts,
+        ["# left out", "# session s-1", title, "1", "2", "# session s-2", title, "9"],
+        "{text}"
+    );
+    assert!(text.starts_with("# left out: s-3, which no loop"), "{text}");
     let nothing = TrajectoryReport { sessions: Vec::new(), ..one };
     assert_eq!(write_trajectory(&nothing, &[], TrajectoryFormat::Tum), Ok(String::new()));
 }

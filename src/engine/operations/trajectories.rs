@@ -29,10 +29,10 @@ impl Service {
             })
             .await?;
         let (sessions, loops) = tracks;
-        Ok(TrajectoryReport { map_version, sessions, loops, is_in_one_frame: false })
+        Ok(TrajectoryReport { map_version, sessions, loops, is_in_one_frame: false, unjoined: Vec::new() })
     }
 
-    /// Returns the same in the frame of one session; sessions that nothing joins with it are left out.
+    /// Returns the same in the frame of one session; sessions that nothing joins with it are named instead.
     pub async fn trajectory_of_fleet(
         &self,
         map: &MapId,
@@ -41,9 +41,11 @@ impl Service {
     ) -> Result<TrajectoryReport, ServiceError> {
         let frames = self.frames(map, reference).await?;
         let mut report = self.trajectory(map, session).await?;
+        let mut unjoined = Vec::new();
         report.sessions.retain_mut(|track| {
             let frame = frames.frames.iter().find(|frame| frame.session == track.session);
             let Some(reference_from_session) = frame.and_then(|frame| frame.reference_from_session) else {
+                unjoined.push(track.session.clone());
                 return false;
             };
             for pose in &mut track.keyframes {
@@ -54,7 +56,7 @@ impl Service {
         let there: HashSet<&KeyframeId> =
             report.sessions.iter().flat_map(|track| &track.keyframes).map(|pose| &pose.keyframe).collect();
         report.loops.retain(|of| there.contains(&of.keyframe_id) && there.contains(&of.candidate_id));
-        Ok(TrajectoryReport { is_in_one_frame: true, ..report })
+        Ok(TrajectoryReport { is_in_one_frame: true, unjoined, ..report })
     }
 }
 

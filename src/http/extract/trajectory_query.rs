@@ -23,7 +23,7 @@ pub struct TrajectorySearch {
     )]
     session: Option<String>,
     /// `session`: each session in its own frame, which is the default. `fleet`: all sessions that loops and plans join, in the frame of
-    /// one of them (`GET .../frames`); `tum` and `kitti` then take several sessions, by stamp.
+    /// one of them (`GET .../frames`); `tum` and `kitti` then take several sessions, each after a comment with its name; comments name those that nothing joins.
     #[param(pattern = "^(session|fleet)$")]
     frame: Option<String>,
     /// With `frame=fleet`, the session in whose frame all are.
