@@ -1,6 +1,7 @@
 //! Check 3 of §V: the local anchor map around the query against that around each candidate.
 
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
 use super::centre::Centre;
@@ -34,7 +35,7 @@ pub struct AnchorCheck<'a> {
     verify: Verify,
     around: LocalAnchorMap,
     /// The signs with names that the query's drive has read.
-    own_signs: OnceCell<Vec<LocalAnchor>>,
+    own_signs: OnceCell<Vec<Arc<LocalAnchor>>>,
     /// The keyframes of that drive.
     own_chain: OnceCell<Vec<KeyframeSeq>>,
 }
@@ -153,7 +154,8 @@ impl<'a> AnchorCheck<'a> {
         let own_signs = self
             .own_signs
             .get_or_init(|| named_signs(index, &query.centre, own_chain, &self.around, &mut counts.places));
-        let chain = chain_around(index, keyframe);
+        // Without a name of the query's, those of the candidate's drive agree with nothing.
+        let chain = if own_signs.is_empty() { Vec::new() } else { chain_around(index, keyframe) };
         let signs = named_signs(index, centre, &chain, around, &mut counts.places);
         let is_around = |sign: &LocalAnchor, map: &LocalAnchorMap| {
             map.anchors.iter().any(|anchor| anchor.name == sign.name)

@@ -4,6 +4,7 @@
 //! or another session begins it ends. Around a candidate the chain goes both ways: a robot may come from either side.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::domain::ids::KeyframeSeq;
 use crate::geometry::Bearing;
@@ -69,7 +70,7 @@ pub fn named_signs(
     chain: &[KeyframeSeq],
     local: &LocalAnchorMap,
     places: &mut PlaceCounts,
-) -> Vec<LocalAnchor> {
+) -> Vec<Arc<LocalAnchor>> {
     let is_named = |sign: &LocalAnchor| sign.text.as_ref().is_some_and(|text| text.has_own_name());
     let known: BTreeSet<LocalName> = local.anchors.iter().map(|sign| sign.name).collect();
     let of_chain = index.objects_seen_by_any(chain).into_iter();
@@ -87,13 +88,17 @@ pub fn named_signs(
     };
     signs.sort_by(nearest_first);
     signs.truncate(SIGNS_MAX);
-    signs
+    signs.into_iter().map(Arc::new).collect()
 }
 
 /// Puts a sign where the anchors of it stand that these keyframes saw, if they saw any.
 fn place_by(index: &MapIndex, centre: &Centre, chain: &BTreeSet<KeyframeSeq>, sign: &mut LocalAnchor) {
     let (LocalName::MergedAnchor(root), Some(session)) = (sign.name, centre.session) else { return };
-    let members = index.objects().get(root).into_iter().flat_map(|object| &object.members);
+    let Some(object) = index.objects().get(root) else { return };
+    if object.members.len() == 1 {
+        return;
+    }
+    let members = object.members.iter();
     let mut shape = Shape::default();
     for anchor in members.filter_map(|member| index.anchor(*member)) {
         if let Some(of_anchor) = anchor.shapes.get(&session)

@@ -86,10 +86,32 @@ impl MapIndex {
     /// Whether two keyframes are neighbours along the drive.
     pub(super) fn joins_along_drive(&self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
         let Some((of_a, of_b)) = self.keyframe(a).zip(self.keyframe(b)) else { return false };
-        of_a.session == of_b.session
+        let may_join = of_a.session == of_b.session
             && Links::of_stored(of_a).joins(Links::of_stored(of_b))
-            && of_a.stamp.gap_s(of_b.stamp) <= MAX_GAP_S
-            && self.along_drive(a).binary_search(&b).is_ok()
+            && of_a.stamp.gap_s(of_b.stamp) <= MAX_GAP_S;
+        may_join && self.is_near_along_drive(of_a, of_b)
+    }
+
+    /// Whether two keyframes of a session are near each other on its way: from the earlier to the later one, as the way is the same
+    /// from either end.
+    fn is_near_along_drive(&self, a: &Keyframe, b: &Keyframe) -> bool {
+        let (first, last) = if (a.stamp, &a.id) <= (b.stamp, &b.id) { (a, b) } else { (b, a) };
+        let most_m = self.properties.settings.covisibility_max_way_m;
+        let most_um = (most_m * UM_PER_M).round() as u64;
+        let (mut way_um, mut at) = (0_u64, first.map_from_camera.centre());
+        for seq in self.way_on(first.seq).skip(1).take(NEIGHBOURS_MAX) {
+            let Some(next) = self.keyframe(seq) else { return false };
+            let centre = next.map_from_camera.centre();
+            way_um = way_um.saturating_add(step_length_um(at, centre));
+            at = centre;
+            if way_um > most_um {
+                return false;
+            }
+            if seq == last.seq {
+                return most_m > 0.0;
+            }
+        }
+        false
     }
 
     fn neighbours_of(&self, own: &OnTheWay<'_>) -> Vec<KeyframeSeq> {
