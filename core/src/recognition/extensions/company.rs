@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -48,10 +49,11 @@ impl Companies {
         &mut self,
         index: &MapIndex,
         pair: [&LocalAnchor; 2],
-        maps: [&[LocalAnchor]; 2],
+        maps: [&[Arc<LocalAnchor>]; 2],
         places: &mut PlaceCounts,
     ) -> bool {
-        let [of_query, of_candidate] = [company(pair[0], maps[0]), company(pair[1], maps[1])];
+        let [of_query, of_candidate] =
+            [0, 1].map(|side| company(pair[side], maps[side].iter().map(Arc::as_ref)));
         // Beside the same sign it is the same text, whatever else hangs there or was misread.
         if agree(index, &of_query, &of_candidate) {
             return false;
@@ -81,7 +83,7 @@ impl Companies {
             let oldest = index.keyframes_of(index.objects().get(root)?).first().copied()?;
             let map = local_anchor_map(index, &Centre::stored(index, oldest)?, places);
             let text = map.anchors.iter().find(|anchor| anchor.name == LocalName::MergedAnchor(root))?;
-            Some(company(text, &map.anchors))
+            Some(company(text, map.anchors.iter()))
         };
         let found = Rc::new(found().unwrap_or_default());
         self.of_stored.insert(root, found.clone());
@@ -90,7 +92,7 @@ impl Companies {
 }
 
 /// Returns the numbered signs around a text, nearest first; none where its own place is a guess.
-fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
+fn company<'a>(text: &LocalAnchor, around: impl Iterator<Item = &'a LocalAnchor>) -> Vec<Neighbour> {
     let at = text.centre_in_camera();
     if text.range_assumed || libm::hypot(at.x, at.z) < LEAST_HORIZONTAL_M {
         return Vec::new();
@@ -104,7 +106,7 @@ fn company(text: &LocalAnchor, around: &[LocalAnchor]) -> Vec<Neighbour> {
     };
     let from_text = |sign: &LocalAnchor| sign.centre_in_camera() - at;
     let mut signs: Vec<(f64, &LocalAnchor)> =
-        around.iter().filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
+        around.filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
     signs.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| x.name.cmp(&y.name)));
     let nearest = signs.into_iter().take(NEIGHBOURS_MAX).map(|(_, sign)| {
         let offset = from_text(sign);

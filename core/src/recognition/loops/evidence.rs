@@ -43,10 +43,7 @@ pub(in crate::recognition) fn bow(score: Score, reference_score: f64) -> BowEvid
     BowEvidence { score: score.value(), common_words: score.common_words(), reference_score }
 }
 
-pub(in crate::recognition) fn anchors(
-    comparison: &Comparison<'_>,
-    settings: &Settings,
-) -> AnchorEvidence {
+pub(in crate::recognition) fn anchors(comparison: &Comparison<'_>, settings: &Settings) -> AnchorEvidence {
     AnchorEvidence {
         similarity: comparison.similarity,
         threshold: settings.anchor_map_min_similarity,

@@ -92,9 +92,18 @@ impl SimilarPairs {
         query: &[&'a LocalAnchor],
         candidate: &[&'a LocalAnchor],
     ) -> [Vec<&'a LocalAnchor>; 2] {
-        let of_query = query.iter().zip(&self.of_query).filter(|(_, found)| found.is_empty());
-        let of_candidate = candidate.iter().zip(&self.has_counterpart).filter(|(_, has)| !**has);
-        [of_query.map(|(anchor, _)| *anchor).collect(), of_candidate.map(|(anchor, _)| *anchor).collect()]
+        let [of_query, of_candidate] = self.unmatched_places();
+        [
+            of_query.into_iter().map(|place| query[place]).collect(),
+            of_candidate.into_iter().map(|place| candidate[place]).collect(),
+        ]
+    }
+
+    /// Returns the places of the same in the two lists.
+    pub fn unmatched_places(&self) -> [Vec<usize>; 2] {
+        let of_query = self.of_query.iter().enumerate().filter(|(_, found)| found.is_empty());
+        let of_candidate = self.has_counterpart.iter().enumerate().filter(|(_, has)| !**has);
+        [of_query.map(|(place, _)| place).collect(), of_candidate.map(|(place, _)| place).collect()]
     }
 }
 

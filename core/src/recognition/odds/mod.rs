@@ -20,6 +20,7 @@
 pub mod bet;
 pub mod conclusion;
 pub mod drive;
+mod exclusions;
 pub mod log_odds;
 pub mod names;
 pub mod place;

@@ -1,9 +1,11 @@
 //! Names of two places, held against each other: the same name at one spot, other names there, names that would hang twice.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::exclusions::{DIFFERING_MAX, Exclusions};
 use crate::domain::settings::Settings;
 use crate::geometry::upright_alignment::align_upright;
 use crate::geometry::{Point3, Sim3};
@@ -23,16 +25,14 @@ pub(in crate::recognition) const FAR_SHARE: f64 = 0.15;
 pub(in crate::recognition) const PAIRS_MAX: usize = 16;
 /// Signs this far apart tell in which direction a camera looks, in metres.
 pub(in crate::recognition) const TELLS_A_DIRECTION_M: f64 = 2.0;
-/// Signs with other names that are compared, the nearest first.
-const DIFFERING_MAX: usize = 24;
 
 /// Two signs with names.
 #[derive(Clone, Debug)]
 pub struct NamePair {
     /// Around the query.
-    pub query: LocalAnchor,
+    pub query: Arc<LocalAnchor>,
     /// Around the candidate.
-    pub candidate: LocalAnchor,
+    pub candidate: Arc<LocalAnchor>,
     /// In how many places the name hangs, were the two one sign.
     pub places: usize,
     /// The way in which the two keyframes know it: themselves, by their local anchor maps, or, `No`, by the drive alone.
@@ -111,21 +111,21 @@ impl Names {
     /// `hangs_in_several`, whether a name hangs in several places.
     pub fn between<'a>(
         index: &MapIndex,
-        query: &'a [LocalAnchor],
-        candidate: &'a [LocalAnchor],
+        query: &'a [Arc<LocalAnchor>],
+        candidate: &'a [Arc<LocalAnchor>],
         pair: impl Fn(&'a LocalAnchor, &'a LocalAnchor, (u8, semantics::Source)) -> Option<Matched<'a>>,
         known: impl Fn(&Matched<'_>) -> Returning,
         mut hangs_in_several: impl FnMut(&NamePair) -> bool,
     ) -> Self {
         let settings = &index.properties().settings;
         let (of_query, of_candidate): (Vec<&LocalAnchor>, Vec<&LocalAnchor>) =
-            (query.iter().collect(), candidate.iter().collect());
+            (query.iter().map(Arc::as_ref).collect(), candidate.iter().map(Arc::as_ref).collect());
         let similar = SimilarPairs::between(&of_query, &of_candidate, index.texts(), settings);
         let alike = similar.iter().filter_map(|(i, found)| {
             let matched = pair(of_query[i], of_candidate[found.candidate], found.judged.clone())?;
             Some(NamePair {
-                query: matched.query.clone(),
-                candidate: matched.candidate.clone(),
+                query: query[i].clone(),
+                candidate: candidate[found.candidate].clone(),
                 places: matched.places,
                 known: known(&matched),
             })
@@ -136,14 +136,17 @@ impl Names {
                 pair.places = 2;
             }
         }
-        let [mut only_query, mut only_candidate] = similar.unmatched(&of_query, &of_candidate);
-        only_query.truncate(DIFFERING_MAX);
-        only_candidate.truncate(DIFFERING_MAX);
-        let strange = strange(&only_query, &only_candidate, [&of_query, &of_candidate]);
+        let mut only = similar.unmatched_places();
+        for places in &mut only {
+            places.truncate(DIFFERING_MAX);
+        }
+        let exclusions = Exclusions::between(&of_query, &of_candidate);
+        let strange = exclusions.strange(&only);
+        let [only_query, only_candidate] = only;
         let excluding = only_query.iter().flat_map(|a| {
-            only_candidate.iter().filter(|b| a.excludes(b)).map(|b| NamePair {
-                query: (*a).clone(),
-                candidate: (*b).clone(),
+            only_candidate.iter().filter(|b| exclusions.has(*a, **b)).map(|b| NamePair {
+                query: query[*a].clone(),
+                candidate: candidate[*b].clone(),
                 places: 1,
                 known: Returning::No,
             })
@@ -179,37 +182,6 @@ impl Names {
         });
         Spots { agreeing, displaced, differing }
     }
-}
-
-/// Returns, class by class, as many names of either side as the side with fewer has that exclude all names of their class at
-/// the other place; the nearest first, and each name once.
-fn strange(
-    only_query: &[&LocalAnchor],
-    only_candidate: &[&LocalAnchor],
-    [all_query, all_candidate]: [&[&LocalAnchor]; 2],
-) -> Vec<(LocalName, LocalName)> {
-    let excluded = |these: &[&LocalAnchor], others: &[&LocalAnchor]| -> Vec<(Box<str>, LocalName)> {
-        let mut known = BTreeSet::new();
-        let others = &others[..others.len().min(DIFFERING_MAX)];
-        let is_strange = |sign: &LocalAnchor| {
-            let mut of_class = others.iter().filter(|other| other.class == sign.class).peekable();
-            of_class.peek().is_some() && of_class.all(|other| sign.excludes(other))
-        };
-        let mut is_new =
-            |sign: &LocalAnchor| known.insert(sign.text.as_ref().map(|text| text.gist().to_owned()));
-        these
-            .iter()
-            .filter(|sign| is_strange(sign) && is_new(sign))
-            .map(|sign| (sign.class.clone(), sign.name))
-            .collect()
-    };
-    let of_query = excluded(only_query, all_candidate);
-    let mut of_candidate = excluded(only_candidate, all_query);
-    let paired = of_query.into_iter().filter_map(|(class, name)| {
-        let at = of_candidate.iter().position(|(other, _)| *other == class)?;
-        Some((name, of_candidate.remove(at).1))
-    });
-    paired.collect()
 }
 
 /// Returns the pairs at one spot, the nearest first, no sign twice.
