@@ -3,8 +3,9 @@
 //! Room 910's plate where room 901's hung is evidence against the loop, which the paper does not
 //! use. An answer lists such pairs; the sum of evidence weighs them ([`crate::recognition::odds`]).
 
+use std::collections::BTreeSet;
+
 use crate::recognition::loops::anchor_map::LocalAnchor;
-use crate::recognition::loops::assignment::{assign, edges};
 use crate::semantics;
 
 /// A pair of anchors that cannot be the same object, though they stand at the same relative place.
@@ -32,17 +33,25 @@ impl Contradiction<'_> {
     }
 }
 
-/// Returns the contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells which
+/// Returns the contradicting pairs among unmatched anchors, the heaviest first, and no anchor twice; `same_place` tells which
 /// anchors stand at the same place.
 pub fn contradict<'a>(
     query: &[&'a LocalAnchor],
     candidate: &[&'a LocalAnchor],
     same_place: impl Fn(&LocalAnchor, &LocalAnchor) -> bool,
 ) -> Vec<Contradiction<'a>> {
-    let contradicting = edges(query.len(), candidate.len(), |i, j| {
-        let (a, b) = (query[i], candidate[j]);
-        (same_place(a, b) && a.excludes(b)).then_some(a.weight + b.weight)
+    let pairs =
+        query.iter().flat_map(|a| candidate.iter().map(move |b| Contradiction { query: a, candidate: b }));
+    let mut pairs: Vec<Contradiction<'a>> = pairs
+        .filter(|pair| same_place(pair.query, pair.candidate) && pair.query.excludes(pair.candidate))
+        .collect();
+    let names = |pair: &Contradiction<'_>| (pair.query.name, pair.candidate.name);
+    pairs.sort_by(|a, b| b.weight().total_cmp(&a.weight()).then_with(|| names(a).cmp(&names(b))));
+    let (mut of_query, mut of_candidate) = (BTreeSet::new(), BTreeSet::new());
+    pairs.retain(|pair| {
+        let (a, b) = names(pair);
+        let is_free = !of_query.contains(&a) && !of_candidate.contains(&b);
+        is_free && of_query.insert(a) && of_candidate.insert(b)
     });
-    let pairs = assign(&contradicting);
-    pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
+    pairs
 }
