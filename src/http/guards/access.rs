@@ -46,6 +46,18 @@ impl Caller {
         if self.0.may(action) { Ok(()) } else { Err(lacks(&self.0, action)) }
     }
 
+    /// Returns the answer about a map that the key does not cover, whether or not it exists: what the key covers.
+    fn lacks(&self, map: &MapId) -> ServiceError {
+        let patterns = match &self.0 {
+            Access::Open => Vec::new(),
+            Access::Key(held) => held.key.properties.maps.iter().map(|maps| format!("`{maps}`")).collect(),
+        };
+        ServiceError::NotFound(format!(
+            "this key covers the maps {}; {map} is none of them",
+            patterns.join(", ")
+        ))
+    }
+
     /// Whether the caller's key covers this map.
     pub fn reaches(&self, map: &MapId) -> bool {
         match &self.0 {
@@ -111,8 +123,7 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     if let Some(map) = map_of(parts).await
         && !caller.reaches(&map)
     {
-        // The same response as for a map that does not exist.
-        return Err(Problem::from(ServiceError::no_map(&map)).into());
+        return Err(Problem::from(caller.lacks(&map)).into());
     }
     caller.needs(action)?;
     Ok(Some(caller))

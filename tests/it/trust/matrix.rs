@@ -178,6 +178,7 @@ async fn a_map_outside_a_keys_scope_is_answered_as_one_that_is_not_there() {
     let hidden = get("/v1/maps/theirs-1").await.expect(404).to_string();
     let missing = get("/v1/maps/theirs-9").await.expect(404).to_string();
     assert_eq!(hidden.replace("theirs-1", "theirs-9"), missing);
+    assert!(hidden.contains("this key covers the maps `ours-*`, `b`; theirs-1 is none of them"), "{hidden}");
 
     let mut seen = Vec::new();
     let mut cursor = String::new();
