@@ -1,5 +1,7 @@
 //! `revisit check`: verifies the integrity of a database or a backup.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use serde_json::json;
 
@@ -20,6 +22,8 @@ const LISTED: usize = 20;
 /// depends on the order of its facts. It cannot detect a value replaced by another valid one.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
+    /// A file to check instead of the database, such as a backup
+    file: Option<PathBuf>,
     /// The database, or a backup as sqlite://FILE
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
@@ -30,7 +34,10 @@ pub struct CheckArgs {
 
 /// Runs `check`.
 pub async fn run(args: CheckArgs) -> Result<(), Failure> {
-    let files = DatabaseFiles::of_url(&args.database)?;
+    let files = match args.file {
+        Some(file) => DatabaseFiles::of_path(&file),
+        None => DatabaseFiles::of_url(&args.database)?,
+    };
     let checked = check(&files).await?;
     let faults: Vec<String> = checked.all_faults().collect();
     if args.json {

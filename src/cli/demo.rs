@@ -1,14 +1,20 @@
 //! `revisit demo`: the paper's experiment on one sequence, printed as it runs.
 
+use std::fs;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::failure::Failure;
-use super::hotel_server::hotel_server;
+use super::hotel_server::hotel_server_in;
 use super::output::write_out;
+use super::replay::OwnServer;
+use super::serve::LOCAL;
 use super::signals::stop_on_signal;
 use crate::client::Client;
+use crate::config::listen;
 use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;
@@ -48,12 +54,18 @@ pub struct DemoArgs {
     /// Exit when the drive is over
     #[arg(long)]
     exit: bool,
+    /// Address of this machine to listen on; by default a free port
+    #[arg(long, value_name = "ADDR", value_parser = listen::address)]
+    listen: Option<SocketAddr>,
+    /// A new folder that keeps the data
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
 }
 
 /// Runs `demo`.
 pub async fn run(args: DemoArgs) -> Result<(), Failure> {
-    write_out("Starting a server on a temporary database, and building a hotel ...\n")?;
-    let server = hotel_server().await?;
+    write_out("Starting a server on a new database, and building a hotel ...\n")?;
+    let server = server(&args).await?;
     write_out("Recording what the robot's camera sees on its way through the hotel ...\n\n")?;
     let client = Client::new(server.url())?;
     let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
@@ -100,9 +112,37 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     }
     write_out(&next_steps(server.url(), &drives[0]))?;
     write_out(YOUR_OWN_DATA)?;
-    write_out("Ctrl-C stops this server and deletes its database.\n")?;
+    write_out(&match &args.keep {
+        None => String::from("Ctrl-C stops this server and deletes its database.\n"),
+        Some(folder) => format!("Ctrl-C stops this server. Its data stays:\n{}\n", serve_again(folder)),
+    })?;
     stop_on_signal()?.cancelled().await;
     Ok(())
+}
+
+/// Starts the server of the demo.
+async fn server(args: &DemoArgs) -> Result<OwnServer, Failure> {
+    let listen = args.listen.unwrap_or(LOCAL);
+    if !listen.ip().is_loopback() {
+        return Err(format!(
+            "other machines can reach {listen}, and the demo has no keys: give 127.0.0.1:{}",
+            listen.port()
+        )
+        .into());
+    }
+    let Some(folder) = &args.keep else {
+        let directory = tempfile::tempdir()?;
+        return Ok(hotel_server_in(directory.path(), listen).await?.with(directory));
+    };
+    fs::create_dir(folder)
+        .map_err(|error| format!("--keep takes a new folder: {}: {error}", folder.display()))?;
+    hotel_server_in(folder, listen).await
+}
+
+/// Returns the command that serves what was kept.
+fn serve_again(folder: &Path) -> String {
+    let folder = folder.display();
+    format!("revisit serve --database sqlite://{folder}/revisit.db --vocabulary {folder}/hotel.voc")
 }
 
 /// Prints the progress of a run after each silence.

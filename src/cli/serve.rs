@@ -2,8 +2,8 @@
 
 use std::fs::File;
 use std::io::BufWriter;
-use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
@@ -22,6 +22,9 @@ use crate::engine::{ModelChoice, Service, ServiceOptions};
 use crate::http::{self, RunningServer};
 use crate::store::{is_server_url, without_password};
 use crate::vocabulary::Vocabulary;
+
+/// A free port of this machine.
+pub(super) const LOCAL: SocketAddr = SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 0));
 
 /// File descriptors reserved for the database, the runtime and the log.
 const FILES_BESIDE: u64 = 64;
@@ -144,24 +147,29 @@ fn keyless(listen: SocketAddr, database: &str) -> String {
 
 /// Returns a server on a temporary database, for `replay`.
 pub async fn own_server() -> Result<OwnServer, Failure> {
-    temporary_server(None).await
+    let directory = tempfile::tempdir()?;
+    let server = server_in(directory.path(), None, LOCAL).await?;
+    // Dropped in this order: the server stops before its directory is removed.
+    Ok(OwnServer::new(server.url(), (server, directory)))
 }
 
-/// Returns a server with this vocabulary, on a temporary database.
-pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
-    let directory = tempfile::tempdir()?;
-    let database = format!("sqlite://{}", directory.path().join("revisit.db").display());
+/// Returns a server with this vocabulary, whose data is in this folder.
+pub(super) async fn server_in(
+    folder: &Path,
+    vocabulary: Option<Vocabulary>,
+    listen: SocketAddr,
+) -> Result<RunningServer, Failure> {
+    let database = format!("sqlite://{}", folder.join("revisit.db").display());
     let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
     if let Some(vocabulary) = vocabulary {
-        let path = directory.path().join("hotel.voc");
+        let path = folder.join("hotel.voc");
         vocabulary.write_binary(BufWriter::new(File::create(&path)?))?;
         options.vocabulary = Some(path);
     }
     let service = Service::open(options).await?;
-    let server = RunningServer::start(service).await?;
-    let url = server.url();
-    // Dropped in this order: the server stops before its directory is removed.
-    Ok(OwnServer::new(url, (server, directory)))
+    let limits = limits::LimitArgs::of::<&str>(&[])?;
+    let started = RunningServer::start_at(service, limits, listen).await;
+    Ok(started.map_err(|error| format!("cannot listen on {listen}: {error}"))?)
 }
 
 /// Disables huge pages for this process. The kernel creates them from 2 MB regions with a single page in use, and

@@ -226,7 +226,12 @@ impl RunningServer {
 
     /// Starts serving within the given limits.
     pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
-        let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
+        Self::start_at(service, limits, (std::net::Ipv4Addr::LOCALHOST, 0).into()).await
+    }
+
+    /// Starts serving at an address within the given limits.
+    pub async fn start_at(service: Service, limits: LimitArgs, addr: SocketAddr) -> io::Result<Self> {
+        let listener = TcpListener::bind(addr).await?;
         let addr = listener.local_addr()?;
         service.join(format!("http://{addr}")).await.map_err(io::Error::other)?;
         let stopping = CancellationToken::new();

@@ -53,7 +53,7 @@ async fn a_sound_database_is_called_so_and_not_touched() {
     assert!(told.starts_with("map tower: sound; version ") && told.ends_with("sound\n"), "{told}");
     assert!(told.contains("7 keyframes") && told.contains("1 loop,"), "{told}");
     let told: Value =
-        serde_json::from_str(&revisit(&["check", "--json", "--database", &url(&database)]).well()).unwrap();
+        serde_json::from_str(&revisit(&["check", "--json", database.to_str().unwrap()]).well()).unwrap();
     assert_eq!((&told["sound"], &told["maps"][0]["keyframes"]), (&json!(true), &json!(7)), "{told}");
     let after = (names(folder.path()), std::fs::read(&database).unwrap());
     assert_eq!(before.0, after.0);

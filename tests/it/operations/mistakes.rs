@@ -25,6 +25,15 @@ fn a_mistyped_database_or_filter_is_refused_and_makes_nothing() {
     assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
 }
 
+#[cfg(feature = "hotel")]
+#[test]
+fn a_demo_listens_on_its_own_machine_and_keeps_its_data_in_a_new_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    revisit(&["demo", "--listen", "0.0.0.0:0"]).refused("give 127.0.0.1");
+    revisit(&["demo", "--keep", folder.path().to_str().unwrap()]).refused("--keep takes a new folder");
+    assert!(names(folder.path()).is_empty());
+}
+
 #[test]
 fn a_database_that_cannot_be_opened_is_named_and_nothing_is_left_beside_it() {
     let folder = tempfile::tempdir().unwrap();
