@@ -147,6 +147,8 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
     elif client is not None:
         print(table(run, truth))
         print(f"poses: {source.poses}; distances of signs: {source.distances}")
+    if chosen.server and not chosen.no_query:
+        print(f"viewer: {chosen.server.rstrip('/')}/?map={chosen.map}", file=sys.stderr)
     if chosen.report:
         print(f"report: {chosen.report}", file=sys.stderr)
     if chosen.output:

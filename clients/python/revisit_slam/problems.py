@@ -21,7 +21,7 @@ class ProblemError(RevisitError):
     def __init__(self, problem: Problem, retry_after_s: float | None = None) -> None:
         self.problem = problem
         self.retry_after_s = retry_after_s
-        faults = "; ".join(_line(fault) for fault in problem.errors)
+        faults = "; ".join(filter(None, (_line(fault, problem.detail) for fault in problem.errors)))
         super().__init__(f"{problem.status} {problem.code}: {problem.detail}" + (f" ({faults})" if faults else ""))
 
     @property
@@ -40,11 +40,12 @@ class ProblemError(RevisitError):
         return self.problem.errors
 
 
-def _line(fault: Fault) -> str:
-    line = f"{fault.pointer}: {fault.detail}"
-    if fault.got is not None:
-        line += f", got {fault.got}"
-    return line if fault.limit is None else f"{line}, limit {fault.limit}"
+def _line(fault: Fault, told: str) -> str:
+    # A single fault's sentence is the detail already.
+    sentence = None if fault.detail in told else f"{fault.pointer}: {fault.detail}"
+    got = None if fault.got is None else f"got {fault.got}"
+    limit = None if fault.limit is None else f"limit {fault.limit}"
+    return ", ".join(part for part in (sentence, got, limit) if part is not None)
 
 
 def problem_of(response: httpx.Response) -> ProblemError:

@@ -82,6 +82,12 @@ def test_a_refusal_names_every_fault(client: Client, map_id: str) -> None:
         client.put_keyframe(map_id, "kf-1", bad)
     assert raised.value.code == "invalid" and raised.value.status == 422
     assert {fault.pointer for fault in raised.value.errors} == {"/stamp", "/pose/rotation"}
+    del bad["pose"]
+    bad["stamp"] = {"sec": "soon", "nanosec": 0}
+    bad |= {"pose": keyframe(1)["pose"]}
+    with pytest.raises(ProblemError) as one:
+        client.put_keyframe(map_id, "kf-1", bad)
+    assert str(one.value).count(one.value.errors[0].detail) == 1, "its sentence is told once"
     with pytest.raises(ProblemError) as missing:
         client.get_map("nowhere")
     assert missing.value.code == "not_found"

@@ -92,6 +92,9 @@ def test_the_report_needs_no_other_file(first_run: dict) -> None:
     page = first_run["report"].read_text()
     assert page.count("<article class=loop>") == first_run["accepted"]
     assert "<article class=none>" in page
+    # A loop shows what decided, and accuses itself of nothing.
+    loops = page.split("<h2>")[1]
+    assert "Both read" in loops and "against" not in loops and "hung" not in loops
     assert not re.search(r"(?:src|href)=(?!'data:)", page)
 
 
@@ -101,6 +104,7 @@ def test_a_running_server_is_used_and_its_map_not_mixed(building: Path, cache: P
         done = play(*arguments)
         assert done.returncode == 0, done.stderr
         assert "why not" in done.stdout
+        assert f"viewer: {server.url}/?map=twin" in done.stderr
         stored = client.get_keyframe("twin", "visit1_frame_0001")
         assert stored.features is not None and stored.camera is not None and stored.camera.fx == 600
         again = play(*arguments)
