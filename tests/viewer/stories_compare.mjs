@@ -64,7 +64,7 @@ export const comparing = {
       // Without pictures the signs' texts stand side by side.
       await page.keyboard.press("Escape");
       await compared(page, "robot-3-1");
-      assert.deepEqual(await page.locator("dialog li.contradicts").first().locator(".plate-text").allTextContents(), ["901", "801"]);
+      assert.deepEqual(await page.locator("dialog li.contradicts").first().locator(".plate-text").allTextContents(), ["902", "802"]);
       assert.equal(await page.locator("dialog li.contradicts").first().locator(".crop").count(), 1);
       await page.close();
     }
