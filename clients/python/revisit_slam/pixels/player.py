@@ -37,10 +37,6 @@ class Run:
     # Each anchor's first sighting: the keyframe and the sign.
     anchors: dict[str, tuple[str, Sign]] = field(default_factory=dict)
 
-    def text_of(self, anchor: str) -> str:
-        """Return the text read at an anchor."""
-        return self.anchors[anchor][1].text if anchor in self.anchors else anchor
-
     def loops(self) -> list[tuple[Seen, Candidate]]:
         """Return the accepted queries with their best candidate."""
         found = []

@@ -99,9 +99,9 @@ impl LocalAnchorMap {
         self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Valid)
     }
 
-    /// Returns the `most` heaviest valid anchors that are wanted, by weight; the nearest ones are the heaviest.
-    pub fn heaviest(&self, most: usize, is_wanted: impl Fn(&LocalAnchor) -> bool) -> Vec<&LocalAnchor> {
-        let mut anchors: Vec<&LocalAnchor> = self.valid().filter(|anchor| is_wanted(anchor)).collect();
+    /// Returns the `most` heaviest valid anchors, by weight; the nearest ones are the heaviest.
+    pub fn heaviest(&self, most: usize) -> Vec<&LocalAnchor> {
+        let mut anchors: Vec<&LocalAnchor> = self.valid().collect();
         anchors.sort_by(|a, b| b.weight.total_cmp(&a.weight).then_with(|| a.name.cmp(&b.name)));
         anchors.truncate(most);
         anchors

@@ -100,11 +100,6 @@ impl Comparison<'_> {
     pub fn least_places(&self) -> Option<usize> {
         self.matches.iter().map(|pair| pair.places).min()
     }
-
-    /// Returns the weight of everything that contradicts.
-    pub fn contradicting_weight(&self) -> f64 {
-        total(self.contradictions.iter().map(Contradiction::weight))
-    }
 }
 
 /// Compares the local anchor map of the query with that of a candidate.

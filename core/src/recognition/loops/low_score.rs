@@ -11,7 +11,7 @@ use crate::recognition::map::index::TextIndex;
 /// Anchors of each map that are looked at, so that a hall full of plates costs no more than a corridor.
 const EXPLAINED_MAX: usize = 16;
 
-/// Where two anchors stand to each other.
+/// The places of two anchors relative to each other.
 #[derive(Clone, Debug)]
 enum Placement {
     /// At the same place.
@@ -20,7 +20,7 @@ enum Placement {
     Apart {
         /// By how much, in metres or radians.
         measured: f64,
-        /// What is still the same place.
+        /// The least that is no longer the same place.
         limit: f64,
         /// The figure for a person: "2.3 m".
         told: String,
@@ -52,8 +52,8 @@ fn displaced(
     texts: &TextIndex,
     settings: &Settings,
 ) -> Option<(String, String)> {
-    let of_candidate = candidate.heaviest(EXPLAINED_MAX, |_| true);
-    query.heaviest(EXPLAINED_MAX, |_| true).into_iter().find_map(|a| {
+    let of_candidate = candidate.heaviest(EXPLAINED_MAX);
+    query.heaviest(EXPLAINED_MAX).into_iter().find_map(|a| {
         let alike = of_candidate.iter().filter(|b| similar(a, b, texts, settings).is_some());
         let placements: Vec<Placement> = alike.map(|b| relative_placement(a, b, settings)).collect();
         let excess = |placement: &Placement| match placement {
