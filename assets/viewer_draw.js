@@ -2,7 +2,7 @@
 
 import { drawPlaces } from "./viewer_cameras.js";
 import { classColour, sessionColour, theme } from "./viewer_colours.js";
-import { Labels, textOf } from "./viewer_labels.js";
+import { Labels, isName, rankOf, textOf } from "./viewer_labels.js";
 import { drawPicture } from "./viewer_picture.js";
 import { drawPlans } from "./viewer_plans.js";
 import { AXES, shifted } from "./viewer_scene.js";
@@ -185,6 +185,7 @@ function drawAnchors({ map, context, theme, labels }) {
   }
   context.globalAlpha = 1;
   for (const { point: { id, anchor }, at } of shown) {
+    if (isName(anchor)) labels.keepFree(at.x - size, at.y - size, 2 * size, 2 * size);
     const change = changes?.anchors.get(id);
     const marked = id === selected || found?.has(id) || change;
     if (!marked && (!map.labels || found)) continue;
@@ -229,10 +230,6 @@ function cross(context, { x, y }, theme) {
     }
     context.stroke();
   }
-}
-
-function rankOf({ identifiers, description }) {
-  return identifiers.length > 0 ? "identifier" : description ? "described" : "rest";
 }
 
 /** Filled: described. Hollow: not described yet. Small: says too little to be matched. Small and hollow: retired. */

@@ -8,6 +8,8 @@ const SAME_PX = 14;
 const CELL_PX = 64;
 const CHARACTERS = 28;
 const FAMILY = "12px system-ui, sans-serif";
+/** Kinds of texts that name one place: they decide whether two places are one. */
+const NAMES = ["name", "proper_name", "code"];
 /** What is written first, and so has room before the others. */
 const RANKS = ["selected", "marked", "identifier", "figure", "described", "rest", "plan"];
 
@@ -28,6 +30,11 @@ export class Labels {
   /** A text that is already written: nothing is put on it. */
   reserve(text, left, top, width, height) {
     this.take({ text, left, top, width, height });
+  }
+
+  /** A mark that no text may cover. Texts may stand as close to it as they like, and marks on one another. */
+  keepFree(left, top, width, height) {
+    this.block({ left, top, width, height });
   }
 
   /** Finds places: the labels that have one, each with its box. */
@@ -96,6 +103,10 @@ export class Labels {
 
   take(box) {
     this.placed.push(box);
+    this.block(box);
+  }
+
+  block(box) {
     for (const cell of cellsOf(box)) {
       if (!this.cells.has(cell)) this.cells.set(cell, []);
       this.cells.get(cell).push(box);
@@ -108,6 +119,16 @@ export function textOf({ description, state, class: name }) {
   const text = description ?? (state === "pending" ? "…" : name);
   const characters = [...text.replace(/[\p{C}\s]+/gu, " ").trim()];
   return characters.length > CHARACTERS ? `${characters.slice(0, CHARACTERS - 1).join("")}…` : characters.join("");
+}
+
+/** The rank of an anchor's text where nothing else marks it. */
+export function rankOf({ kind, description }) {
+  return isName({ kind }) ? "identifier" : description ? "described" : "rest";
+}
+
+/** Does it name one place, as a door number does? */
+export function isName({ kind }) {
+  return NAMES.includes(kind);
 }
 
 function font(bold) {

@@ -1,7 +1,7 @@
 // Views: two local anchor maps side by side, each from above as its camera sees it, and lines between what belongs together.
 
 import { theme } from "./viewer_colours.js";
-import { Labels, textOf } from "./viewer_labels.js";
+import { Labels, isName, rankOf, textOf } from "./viewer_labels.js";
 import { unpaired } from "./viewer_pairs.js";
 import { svg } from "./dom.js";
 
@@ -100,7 +100,7 @@ function tie({ query, candidate, colour, kind }, place, { ground: paper }, bow) 
 function pairMark({ x, y, isBeyond }, { number, colour, kind, ...pair }, side, { ground: paper, text }, labels) {
   const anchor = pair[side];
   labels.reserve(String(number), x - MARK, y - MARK, 2 * MARK, 2 * MARK);
-  const rank = kind === "contradicts" ? "marked" : "identifier";
+  const rank = kind === "contradicts" && isName(anchor) ? "marked" : rankOf(anchor);
   labels.beside(named(anchor, isBeyond), { x, y }, MARK + 3, { rank, colour: text, bold: true });
   return svg("g", { "data-pair": number, "data-kind": kind }, svg("circle", { cx: x, cy: y, r: MARK, fill: colour, stroke: paper }),
     svg("text", { x, y: y + 4, fill: paper, "text-anchor": "middle", class: "number" }, number), svg("title", {}, named(anchor, true)));
@@ -108,7 +108,7 @@ function pairMark({ x, y, isBeyond }, { number, colour, kind, ...pair }, side, {
 
 function loneMark({ x, y, isBeyond }, anchor, { ground: paper, muted }, labels) {
   labels.reserve("", x - 5, y - 5, 10, 10);
-  labels.beside(named(anchor, isBeyond), { x, y }, 8, { rank: "rest", colour: muted });
+  labels.beside(named(anchor, isBeyond), { x, y }, 8, { rank: isName(anchor) ? "identifier" : "rest", colour: muted });
   return svg("g", { class: "lone" }, svg("path", { d: `M ${x} ${y - 5} l 5 5 l -5 5 l -5 -5 z`, fill: paper, stroke: muted }),
     svg("title", {}, named(anchor, true)));
 }
