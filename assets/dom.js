@@ -81,6 +81,11 @@ export function number(value, decimals = 2) {
   return Number(value).toLocaleString("en", { maximumFractionDigits: decimals });
 }
 
+/** A number where there is little room: `1.2K`. */
+export function brief(value) {
+  return Number(value).toLocaleString("en", { notation: "compact", maximumFractionDigits: 1 });
+}
+
 /** `1 anchor`, `2 anchors`. */
 export function count(n, one, many = `${one}s`) {
   return `${number(n, 0)} ${n === 1 ? one : many}`;

@@ -18,11 +18,13 @@ import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.j
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
-import { debounced, el, fill, number } from "./dom.js";
+import { brief, debounced, el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
 const SELDOM = 8;
 const PUBLISHED_WAIT_MS = 300;
+/** The panel is below the map, as the style has it. */
+const BELOW = matchMedia("(max-width: 60rem)");
 
 const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);
@@ -74,6 +76,14 @@ function select(kind, id, reveal = true) {
   choose({ kind, id }, reveal);
   openTab("details");
   details[kind](id);
+  showDetails();
+}
+
+/** On a phone the details are below the map: both come into view, the map at the top. */
+function showDetails() {
+  const [sheet, tabs, shown] = [at("canvas").parentElement, at("tab-details").parentElement, at("details")]
+    .map((element) => element.getBoundingClientRect().top);
+  if (BELOW.matches && (sheet > 0 || shown < tabs)) at("canvas").parentElement.scrollIntoView();
 }
 
 /** Selects on the map, and brings it into view; its session too if another one is shown. */
@@ -108,10 +118,11 @@ function answered(answer) {
 }
 
 /** Shows what a search found, all of it if nothing of it is in view. */
-function foundOnMap(ids) {
-  state.found = ids;
+function foundOnMap(anchorIds, keyframeIds = []) {
+  state.found = anchorIds;
   remark();
-  if (ids?.size > 0) canvas.bringAll([...canvas.anchors].filter(({ id }) => ids.has(id)));
+  const points = [...canvas.anchors.filter(({ id }) => anchorIds?.has(id)), ...keyframeIds.map((id) => canvas.point("keyframe", id))];
+  canvas.bringAll(points.filter(Boolean));
 }
 
 /** Marks what a comparison of releases found, all of it if nothing of it is in view. */
@@ -125,7 +136,7 @@ function changedOnMap(changes) {
   canvas.bringAll([...changed("anchors"), ...changed("keyframes")]);
 }
 
-/** Finds signs by their text, from wherever one is. */
+/** Finds signs by their text and keyframes by their ids, from wherever one is. */
 function find() {
   if (document.body.classList.contains("covered")) return;
   openTab("anchors");
@@ -235,7 +246,7 @@ function failed(error) {
   else if (error.status === 404 && state.map !== null) gone();
   // What was read before stays on the page while the server is away.
   else if (state.meta === null) cover(unreachable(error.message));
-  connected(error.status < 500 ? "off" : "away");
+  connected(error.status < 500 ? "reached" : "away");
 }
 
 /** The map is not there (any more); it may come. */
@@ -284,7 +295,10 @@ async function readMaps() {
   at("maps").parentElement.hidden = ids.length === 0;
   if (state.map !== null) at("maps").value = state.map;
   else if (ids.length > 0) await open(ids[0]);
-  else cover(noMaps());
+  else {
+    cover(noMaps());
+    connected("reached");
+  }
 }
 
 async function start() {
@@ -305,7 +319,7 @@ function isLive() {
 
 function connected(how) {
   at("live").dataset.state = how;
-  at("live-text").textContent = { live: "live", away: "connection lost" }[how] ?? "not connected";
+  at("live-text").textContent = { live: "live", reached: "connected", away: "connection lost" }[how];
 }
 
 // --- What is on the page ----------------------------------------------------------------------------------------------
@@ -340,7 +354,7 @@ function redraw() {
   fill(at("legend"), legend(scene, state.changes));
   picture.refresh();
   Object.keys(lists).forEach(refreshList);
-  at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
+  at("tab-loops").textContent = meta.loops > 0 ? `Loops ${brief(meta.loops)}` : "Loops";
 }
 
 /** Lays the chosen sessions out in the chosen plane. */

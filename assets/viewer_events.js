@@ -1,7 +1,7 @@
 // Events: the map's server-sent events as they come, and their list.
 
 import { key, path, send } from "./viewer_api.js";
-import { el, fill, number, sign } from "./dom.js";
+import { brief, el, fill, number, sign } from "./dom.js";
 import { EVENTS } from "./words.js";
 
 const SHOWN = 200;
@@ -109,7 +109,7 @@ export class EventList {
 
   draw() {
     this.drawing = false;
-    this.tab.textContent = `Events ${this.total}`;
+    this.tab.textContent = `Events ${brief(this.total)}`;
     this.place.querySelector(".hint")?.remove();
     for (const one of this.fresh) {
       if (one.keyframes === undefined) this.list.prepend(this.line(one));

@@ -11,13 +11,13 @@ const TEXT_CHARACTERS = 4096;
 /** Among the states: what a plan says, whatever its state. */
 const PLANNED = "prior";
 
-/** The tab of anchors: a search box, a class, a state, and what they find. */
+/** The tab of anchors: a search box, a class, a state, and what they find. The box finds keyframes by their ids as well. */
 export class AnchorList {
-  /** `found(ids)` hears which anchors a search found, `null` when none is on. */
+  /** `found(anchors, keyframes)` hears the ids of what a search found, `null` when none is on. */
   constructor(place, world, refs, found) {
     Object.assign(this, { place, world, refs, found, turn: new AbortController(), filters: { text: "", class: "", state: "" } });
     const later = debounced(() => this.search(), SEARCH_WAIT_MS);
-    this.text = searchBox("Search what the signs say", later);
+    this.text = searchBox("Text of a sign, or id of a keyframe", later);
     this.text.addEventListener("keydown", (event) => this.pressed(event));
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
@@ -79,32 +79,54 @@ export class AnchorList {
     const parameters = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== ""));
     if (Object.keys(parameters).length === 0) {
       this.found(null);
-      this.show([...this.world.scene().anchors.values()], false);
+      this.show([...this.world.scene().anchors.values()]);
       return;
     }
+    const keyframes = wanted.text === "" ? [] : this.keyframesLike(wanted.text);
     try {
       const { items } = await list(path("maps", this.world.map(), "anchors"), { signal, parameters });
-      this.found(new Set(items.map(({ id }) => id)));
-      this.show(items, true);
+      // Whoever looks for a keyframe still wants to see the signs around it.
+      const isKeyframe = items.length === 0 && keyframes.length > 0;
+      this.found(isKeyframe ? null : new Set(items.map(({ id }) => id)), keyframes.map(({ id }) => id));
+      this.show(items, parameters, keyframes);
     } catch (error) {
       if (!signal.aborted) fill(this.results, el("p", { class: "fault", role: "alert" }, error.message));
     }
   }
 
-  show(anchors, searched) {
-    if (anchors.length === 0) {
-      const none = searched ? "No anchor is like that."
-        : "No anchors yet. They come from the detections of keyframes: a class, a box, a text, and map points or a position.";
-      fill(this.results, el("p", { class: "hint" }, none));
-      return;
-    }
-    const unread = () => el("span", { class: "muted" }, "not described yet");
-    fill(this.results, status(`${count(anchors.length, "anchor")}${searched ? " found" : ""}`),
-      longList(anchors, "lines", (anchor) => [
-        el("div", {}, this.refs.anchor(anchor.id), " ", anchor.description ? sign(anchor.description) : unread()),
-        el("div", { class: "muted small" }, `${anchor.class}, ${anchor.state}, seen by ${anchor.keyframes.length}`,
-          anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)]));
+  /** The keyframe of that id first, then those whose ids hold the text. */
+  keyframesLike(text) {
+    const wanted = text.toLowerCase();
+    const is = ({ id }) => (id.toLowerCase() === wanted ? 0 : 1);
+    return [...this.world.scene().keyframes.values()].filter(({ id }) => id.toLowerCase().includes(wanted))
+      .sort((a, b) => is(a) - is(b) || byName(a.id, b.id));
   }
+
+  /** What was found by `parameters`, or all anchors. */
+  show(anchors, parameters = null, keyframes = []) {
+    const found = [
+      keyframes.length > 0 && [status(`${count(keyframes.length, "keyframe")} found`),
+        longList(keyframes, "flow", ({ id }) => this.refs.keyframe(id))],
+      anchors.length > 0 && [status(`${count(anchors.length, "anchor")}${parameters ? " found" : ""}`),
+        longList(anchors, "lines", (anchor) => this.line(anchor))],
+    ].filter(Boolean);
+    fill(this.results, found.length > 0 ? found : el("p", { class: "hint", role: "status" }, nothing(parameters)));
+  }
+
+  line(anchor) {
+    const text = anchor.description ? sign(anchor.description) : el("span", { class: "muted" }, "not described yet");
+    return [el("div", {}, this.refs.anchor(anchor.id), " ", text),
+      el("div", { class: "muted small" }, `${anchor.class}, ${anchor.state}, seen by ${count(anchor.keyframes.length, "keyframe")}`,
+        anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)];
+  }
+}
+
+/** Why there is nothing to list. */
+function nothing(parameters) {
+  if (!parameters) return "No anchors yet. They come from the detections of keyframes: a class, a box, a text, and map points or a position.";
+  const { text, ...others } = parameters;
+  const none = Object.keys(others).length > 0 ? "No sign of this choice" : "No sign";
+  return text === undefined ? `${none} is in the map.` : [none, " reads like ", sign(`“${text}”`), ", and no keyframe has such an id."];
 }
 
 /** The tab of keyframes, filtered by name here. */

@@ -5,12 +5,13 @@ import assert from "node:assert/strict";
 import { finish, said } from "./browser.mjs";
 import { comparing } from "./stories_compare.mjs";
 import { daily } from "./stories_daily.mjs";
+import { layout } from "./stories_layout.mjs";
 import { map } from "./stories_map.mjs";
 import { reaching } from "./stories_reach.mjs";
 import { following, releasing } from "./stories_releases.mjs";
 
 const [, , ...chosen] = process.argv.slice(2);
-const stories = Object.entries({ ...daily, ...comparing, ...map, ...reaching, ...following, ...releasing });
+const stories = Object.entries({ ...daily, ...comparing, ...map, ...layout, ...reaching, ...following, ...releasing });
 
 try {
   for (const [name, story] of stories.filter(([name]) => chosen.length === 0 || chosen.some((word) => name.includes(word)))) {

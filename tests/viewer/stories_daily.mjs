@@ -79,6 +79,17 @@ export const daily = {
     await server.stop();
   },
 
+  async "a server without a map is connected, and says how to make one"() {
+    const server = await serve("none");
+    const page = await open(server.url);
+    await page.waitForSelector("#empty >> text=No maps yet");
+    assert.equal(await page.textContent("#live"), "connected");
+    await server.ask("PUT", "/v1/maps/m", {});
+    await page.waitForSelector("#live >> text=live");
+    await page.close();
+    await server.stop();
+  },
+
   async "a server that goes away is said, and what was read stays"() {
     const server = await serve("gone");
     await server.ask("PUT", "/v1/maps/m", {});

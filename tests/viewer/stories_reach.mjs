@@ -101,6 +101,27 @@ export const reaching = {
     await server.stop();
   },
 
+  async "a keyframe is found by its id, and what is nowhere is said so"() {
+    const server = await tower(await serve("find-keyframe"));
+    const page = await open(`${server.url}/?map=tower`);
+    await page.waitForSelector("#live[data-state=live]");
+    await page.keyboard.press("/");
+    await page.keyboard.type("Robot-2-1");
+    await page.waitForFunction(() => document.getElementById("anchors").textContent.includes("1 keyframe found"));
+    await page.keyboard.press("Enter");
+    await page.waitForSelector("#details h2:has-text('Keyframe robot-2-1')");
+    assert.match(page.url(), /keyframe=robot-2-1/);
+    // Part of an id finds several.
+    await page.keyboard.press("/");
+    await page.keyboard.type("robot-3");
+    await page.waitForFunction(() => document.getElementById("anchors").textContent.includes("7 keyframes found"));
+    await page.keyboard.press("/");
+    await page.fill("#anchors input", "kf-9999");
+    await page.waitForSelector("#anchors .hint >> text=No sign reads like “kf-9999”, and no keyframe has such an id.");
+    await page.close();
+    await server.stop();
+  },
+
   async "the arrows step through the session of a keyframe, and stop at its ends"() {
     const server = await tower(await serve("arrows"));
     const page = await open(`${server.url}/?map=tower&keyframe=robot-2-1`);
