@@ -61,7 +61,7 @@ const picture = new PictureForm(at("picture"), world, (one) => canvas.showPictur
 const anchors = new AnchorList(at("anchors"), world, refs, foundOnMap);
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
-const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: load });
+const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: () => load() });
 const sweep = new Sweep(at("sweep"), world, refs);
 const releases = new Releases(at("releases"), world, refs, changedOnMap);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
@@ -192,7 +192,7 @@ function stepInSession(by) {
 
 // --- The map and its data ---------------------------------------------------------------------------------------------
 
-async function open(map, selection = null, push = false) {
+async function open(map, selection = null, push = false, meta = null) {
   stream?.stop();
   loading?.abort();
   loading = null;
@@ -210,19 +210,19 @@ async function open(map, selection = null, push = false) {
   releases.reset();
   where.refresh();
   details.clear();
-  if (!await load()) return;
+  if (!await load(meta)) return;
   stream = listen(map, { event: happened, state: connected });
   if (selection) select(selection.kind, selection.id);
 }
 
-/** Reads the map again; false if that failed or another map was opened meanwhile. */
-async function load() {
+/** Reads the map again, but for what `meta` says; false if that failed or another map was opened meanwhile. */
+async function load(meta = null) {
   loading?.abort();
   const turn = new AbortController();
   loading = turn;
   const begun = performance.now();
   try {
-    const all = await everything(state.map, turn.signal);
+    const all = await everything(state.map, turn.signal, meta);
     if (turn.signal.aborted) return false;
     Object.assign(state, { meta: all.meta, version: all.version, scene: buildScene(all) });
     cover(all.keyframes.length + all.anchors.length === 0 ? noKeyframes(state.map) : null);
@@ -286,6 +286,7 @@ async function lookAgain() {
   }
 }
 
+/** Reads the list of maps, and gives it. */
 async function readMaps() {
   const { items } = await list("v1/maps");
   const ids = items.map(({ id }) => id);
@@ -294,11 +295,12 @@ async function readMaps() {
   if (ids.join("\n") !== shown.join("\n")) fill(at("maps"), ids.map((id) => el("option", { value: id }, id)));
   at("maps").parentElement.hidden = ids.length === 0;
   if (state.map !== null) at("maps").value = state.map;
-  else if (ids.length > 0) await open(ids[0]);
+  else if (ids.length > 0) await open(ids[0], null, false, items[0]);
   else {
     cover(noMaps());
     connected("reached");
   }
+  return items;
 }
 
 async function start() {
@@ -306,8 +308,9 @@ async function start() {
   const kind = ["keyframe", "anchor"].find((name) => query.has(name));
   state.map = query.get("map") || null;
   try {
-    await readMaps();
-    if (query.get("map")) await open(state.map, kind ? { kind, id: query.get(kind) } : null);
+    const maps = await readMaps();
+    const map = query.get("map");
+    if (map) await open(map, kind ? { kind, id: query.get(kind) } : null, false, maps.find(({ id }) => id === map));
   } catch (error) {
     failed(error);
   }

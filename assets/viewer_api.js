@@ -1,5 +1,7 @@
 // Api: what the viewer asks of the server. Addresses are relative, so that the page also works behind a path of a proxy.
 
+import { fetchInTurn } from "./viewer_turns.js";
+
 const PAGE = 1000;
 const KEY = "revisit.key";
 
@@ -34,7 +36,7 @@ export function setKey(secret) {
 export async function send(address, options = {}) {
   const headers = { ...options.headers };
   if (key()) headers.authorization = `Bearer ${key()}`;
-  const response = await fetch(address, { ...options, headers });
+  const response = await fetchInTurn(address, { ...options, headers });
   if (response.ok) return response;
   const problem = await response.json().catch(() => ({}));
   throw new Refusal(response.status, problem);
@@ -95,19 +97,21 @@ export async function list(address, { signal, most = Infinity, parameters = {} }
   return { items, version, more: cursor !== null };
 }
 
-/** Everything that the top view shows of a map. */
-export async function everything(map, signal) {
-  const [meta, keyframes, anchors, loops, sessions, frames] = await Promise.all([
-    get(path("maps", map), signal),
+/** Everything that the top view shows of a map. `meta` is the map itself where it was read just now; what it lacks is not asked for. */
+export async function everything(map, signal, meta = null) {
+  const of = meta ?? await get(path("maps", map), signal);
+  const none = { items: [], version: of.map_version };
+  const [keyframes, anchors, loops, sessions, frames] = await Promise.all([
     list(path("maps", map, "keyframes"), { signal }),
     list(path("maps", map, "anchors"), { signal }),
-    list(path("maps", map, "loops"), { signal }),
-    list(path("maps", map, "sessions"), { signal }),
+    of.loops > 0 ? list(path("maps", map, "loops"), { signal }) : none,
+    // One session alone has one frame, its own.
+    of.sessions > 1 ? list(path("maps", map, "sessions"), { signal }) : none,
     // Without them each session stands in its own frame.
-    get(path("maps", map, "frames"), signal).catch(() => null),
+    of.sessions > 1 || of.loops > 0 ? get(path("maps", map, "frames"), signal).catch(() => null) : null,
   ]);
-  const version = Math.min(meta.map_version, keyframes.version, anchors.version, loops.version);
+  const version = Math.min(of.map_version, keyframes.version, anchors.version, loops.version);
   return {
-    meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, sessions: sessions.items, frames,
+    meta: of, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, sessions: sessions.items, frames,
   };
 }

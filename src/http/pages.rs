@@ -74,6 +74,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_scene.js"
     "viewer_sweep.js"
     "viewer_tabs.js"
+    "viewer_turns.js"
     "viewer_verdict.js"
     "viewer_views.js"
     "viewer_where.js"

@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import { open, serve } from "./browser.mjs";
+import { tower } from "./world.mjs";
 
 const MANY = 10_000;
 
@@ -75,6 +76,31 @@ export const daily = {
     await page.keyboard.type(secret);
     await page.keyboard.press("Enter");
     await page.waitForFunction(() => document.getElementById("figures").textContent.includes("1 keyframe"));
+    await page.close();
+    await server.stop();
+  },
+
+  async "a key that may ask twice a second opens the page, which asks for little and waits where it is told to"() {
+    const server = await tower(await serve("slow"));
+    await server.ask("POST", "/v1/maps/tower/loops", { id: "loop-1", keyframe: "robot-2-1", candidate: "robot-1-1" });
+    const { secret } = await server.ask("POST", "/v1/keys", { name: "page", actions: ["read", "query", "admin"], maps: ["*"], rate_per_s: 2 });
+    const page = await open(`${server.url}/docs`, { expected: /401|429/ });
+    await page.waitForSelector("#calls .call");
+    await page.evaluate((key) => sessionStorage.setItem("revisit.key", key), secret);
+    const asked = new Set();
+    const answers = [];
+    page.on("request", (request) => request.url().includes("/v1/") && asked.add(request.url()));
+    page.on("response", (response) => response.url().includes("/v1/") && answers.push(response.status()));
+    await page.goto(`${server.url}/?map=tower&keyframe=robot-2-1`);
+    await page.waitForSelector("#live[data-state=live]");
+    assert.match(await page.textContent("#figures"), /21 keyframes.*1 loop/s);
+    // Seven for the map, and two for the keyframe.
+    assert.ok(asked.size <= 9, [...asked].join());
+    await page.waitForSelector("#details table");
+    await page.click("text=Is it a loop?");
+    await page.waitForSelector(".candidates");
+    assert.ok(answers.includes(429), `${answers}`);
+    assert.equal(await page.locator(".fault").count(), 0);
     await page.close();
     await server.stop();
   },
