@@ -97,21 +97,23 @@ export async function list(address, { signal, most = Infinity, parameters = {} }
   return { items, version, more: cursor !== null };
 }
 
-/** Everything that the top view shows of a map. `meta` is the map itself where it was read just now; what it lacks is not asked for. */
-export async function everything(map, signal, meta = null) {
-  const of = meta ?? await get(path("maps", map), signal);
-  const none = { items: [], version: of.map_version };
-  const [keyframes, anchors, loops, sessions, frames] = await Promise.all([
+/** Everything that the top view shows of a map. Where the map itself was read just now, `known`, what it has none of is not asked for. */
+export async function everything(map, signal, known = null) {
+  const hasLoops = known === null || known.loops > 0;
+  // One session alone has one frame, its own.
+  const hasFrames = known === null || known.sessions > 1;
+  const none = { items: [], version: Infinity };
+  const [meta, keyframes, anchors, loops, sessions, frames] = await Promise.all([
+    known ?? get(path("maps", map), signal),
     list(path("maps", map, "keyframes"), { signal }),
     list(path("maps", map, "anchors"), { signal }),
-    of.loops > 0 ? list(path("maps", map, "loops"), { signal }) : none,
-    // One session alone has one frame, its own.
-    of.sessions > 1 ? list(path("maps", map, "sessions"), { signal }) : none,
+    hasLoops ? list(path("maps", map, "loops"), { signal }) : none,
+    hasFrames ? list(path("maps", map, "sessions"), { signal }) : none,
     // Without them each session stands in its own frame.
-    of.sessions > 1 || of.loops > 0 ? get(path("maps", map, "frames"), signal).catch(() => null) : null,
+    hasLoops || hasFrames ? get(path("maps", map, "frames"), signal).catch(() => null) : null,
   ]);
-  const version = Math.min(of.map_version, keyframes.version, anchors.version, loops.version);
+  const version = Math.min(meta.map_version, keyframes.version, anchors.version, loops.version);
   return {
-    meta: of, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, sessions: sessions.items, frames,
+    meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, sessions: sessions.items, frames,
   };
 }

@@ -28,7 +28,7 @@ export const following = {
     let readings = 0;
     let looks = 0;
     page.on("request", (request) => {
-      if (request.url().includes("/v1/maps/m/keyframes?")) readings += 1;
+      if (request.url().endsWith("/v1/maps/m/frames")) readings += 1;
       if (request.url().endsWith("/v1/maps/m")) looks += 1;
     });
     // A map that was empty, and one that was not.
