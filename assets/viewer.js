@@ -8,6 +8,7 @@ import { Details } from "./viewer_details.js";
 import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
 import { EventList, listen } from "./viewer_events.js";
 import { Follower } from "./viewer_follow.js";
+import { showConnection, showFigures } from "./viewer_header.js";
 import { listenToKeys } from "./viewer_keys.js";
 import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
@@ -18,7 +19,7 @@ import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.j
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
-import { brief, debounced, el, fill, number } from "./dom.js";
+import { brief, debounced, el, fill } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
 const SELDOM = 8;
@@ -321,8 +322,7 @@ function isLive() {
 }
 
 function connected(how) {
-  at("live").dataset.state = how;
-  at("live-text").textContent = { live: "live", reached: "connected", away: "connection lost" }[how];
+  showConnection(at("live"), how);
 }
 
 // --- What is on the page ----------------------------------------------------------------------------------------------
@@ -334,24 +334,9 @@ function cover(content) {
   if (content === null) canvas.resize();
 }
 
-/** What the map has learned of its building: how it writes its numbers, and the views that it has twice. */
-function learned({ numbering, twins }) {
-  const shapes = Object.entries(numbering).map(([kind, of]) =>
-    el("span", { title: `How the building writes its numbers, learned from ${kind}` }, "numbers ", el("b", {}, of.join(", "))));
-  const pairs = twins.map(({ keyframe, candidate }) => `${keyframe} and ${candidate}`).join("; ");
-  const views = el("span", { title: `Geometry alone closes no loop here: ${pairs}` }, el("b", {}, number(twins.length, 0)),
-    twins.length === 1 ? " view twice" : " views twice");
-  return twins.length > 0 ? [...shapes, views] : shapes;
-}
-
 function redraw() {
   const { meta, scene } = state;
-  const { plans } = scene;
-  const counts = [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions - plans.length, "session"], [meta.loops, "loop"]];
-  if (plans.length > 0) counts.splice(3, 0, [plans.length, "plan"]);
-  fill(at("figures"), counts.map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
-    el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
-  at("figures").title = meta.description;
+  showFigures(at("figures"), meta, scene);
   fill(at("sessions"), sessionOptions(scene));
   lay();
   fill(at("legend"), legend(scene, state.changes));

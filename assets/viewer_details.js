@@ -3,9 +3,9 @@
 import { get, key, path, post } from "./viewer_api.js";
 import { cropOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
+import { stateTone, stateWords, tells } from "./viewer_anchor_words.js";
 import { explain, judge } from "./viewer_verdict.js";
 
-const STATES = { valid: "good", pending: "open", uninformative: "", retired: "" };
 const LISTED = 60;
 const QUESTION = "Is it a loop?";
 
@@ -131,7 +131,7 @@ export class Details {
       if (anchors.length === 0) return el("p", { class: "muted" }, "None: neither it nor a covisible keyframe sees an anchor.");
       const near = anchors.slice().sort((a, b) => a.distance_m - b.distance_m);
       return table(["Anchor", "Reads", "Distance", "Weight"], near.map((anchor) => [
-        this.refs.anchor(anchor.anchor), anchor.description ? sign(anchor.description) : chip(anchor.state, STATES),
+        this.refs.anchor(anchor.anchor), anchor.description ? sign(anchor.description) : stateChip(anchor.state),
         `${number(anchor.distance_m)} m`, anchor.state === "valid" ? number(anchor.weight) : "–",
       ]));
     });
@@ -201,13 +201,13 @@ export class Details {
       sign(inPlan.frame), inPlan.session && [", to which ", sign(inPlan.session), " is aligned"]);
     return [
       el("p", { class: "reads" }, anchor.description ? sign(anchor.description) : "not described yet"),
-      el("p", {}, el("span", { class: "chip" }, anchor.class), " ", chip(anchor.state, STATES)),
+      el("p", {}, el("span", { class: "chip" }, anchor.class), " ", stateChip(anchor.state)),
       anchor.has_crop ? el("figure", {}, cropOf(this.address("anchors", anchor.id, "crop"), signal))
         : this.world.settings().keep_crops === false && el("p", { class: "muted small" }, "No picture: this map keeps none."),
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
         ["Kind", anchor.kind?.replaceAll("_", " ")],
-        ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
+        ["Tells", anchor.description && tells(anchor)],
         ["Stands at", places.length > 0 ? places : "not known yet"], ["In the plan", planPlace],
         ["Map points", number(anchor.map_points, 0)],
         ["In its place", anchor.replaced_by && refs.anchor(anchor.replaced_by)],
@@ -221,7 +221,7 @@ export class Details {
       anchor.matches.length === 0 ? el("p", { class: "muted" }, "None.") : longList(anchor.matches, "lines", (match) => [
         el("div", {}, refs.anchor(match.anchor), " ", this.reads(match.anchor), " ",
           chip(match.kind === "revisit" ? "seen before" : "covisible", { "seen before": "good" })),
-        el("div", { class: "muted small" }, `level ${match.level} of 5, ${judge(match.source)}: `, sign(match.reason))]),
+        el("div", { class: "muted small" }, `alike ${match.level} of 5, ${judge(match.source)}: `, sign(match.reason))]),
       anchor.matches_total > anchor.matches.length
         && el("p", { class: "muted" }, `${count(anchor.matches_total, "match", "matches")} in all; these are the oldest.`),
       el("h3", {}, "Seen by"),
@@ -248,6 +248,10 @@ async function shown(place, signal, read) {
 function facts(...rows) {
   const said = rows.filter(([, value]) => value !== null && value !== undefined && value !== false && value !== "");
   return el("dl", { class: "facts" }, said.map(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
+}
+
+function stateChip(state) {
+  return el("span", { class: `chip ${stateTone(state)}` }, stateWords(state));
 }
 
 function chip(state, tones) {
@@ -278,7 +282,7 @@ export function longList(items, kind, line) {
 function time({ sec, nanosec }) {
   const seconds = `${sec}.${String(nanosec).padStart(9, "0").replace(/0{1,6}$/, "")} s`;
   const sane = sec > 631152000 && sec < 7258118400;
-  if (!sane) return seconds;
+  if (!sane) return [seconds, el("span", { class: "muted" }, " of the robot's clock")];
   const day = new Date(sec * 1000).toISOString().replace("T", " ").replace(".000Z", " UTC");
   return [day, el("div", { class: "muted small" }, seconds)];
 }

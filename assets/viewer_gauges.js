@@ -1,7 +1,7 @@
 // Gauges: measured figures against their limits, as bars.
 
 import { REASONS } from "./words.js";
-import { el, number } from "./dom.js";
+import { count, el, number } from "./dom.js";
 
 /** How much more than the limit a bar has room for. */
 const ROOM = 1.5;
@@ -58,9 +58,15 @@ function inliers({ status, reason: skipped, inliers: found, log10_false_alarms: 
   const isJudged = REASONS[reason?.code]?.check === "geometry" && typeof reason.limit === "number" && reason.measured === found;
   if (isJudged) return least("inliers", found, reason.limit, found >= reason.limit, `${found}, ${number(reason.limit, 0)} needed`);
   if (settings.geometry_acceptance === "significance" && typeof alarms === "number") {
-    const words = `1 in 10^${number(-alarms, 0)}, 10^${-SIGNIFICANT} needed`;
-    return least(`${number(found, 0)} inliers by chance`, -alarms, -SIGNIFICANT, alarms <= SIGNIFICANT, words);
+    return least(count(found, "inlier"), -alarms, -SIGNIFICANT, alarms <= SIGNIFICANT, byChance(alarms));
   }
   const needed = settings.geometry_min_inliers;
   return least("inliers", found, needed, status === "verified", `${found}, ${needed} needed`);
+}
+
+/** How often so many would fit by chance. */
+function byChance(alarms) {
+  if (alarms <= SIGNIFICANT) return "by chance less than once in a million";
+  const often = alarms < 0 ? `once in ${number(10 ** -alarms, 0)}` : "every time";
+  return `by chance ${often}; less than once in a million needed`;
 }

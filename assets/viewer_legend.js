@@ -1,5 +1,6 @@
 // Legend: what is on the canvas, in words: the choice of sessions, the colours, and the thing under the pointer.
 
+import { classAndState } from "./viewer_anchor_words.js";
 import { classColour, sessionColour, theme } from "./viewer_colours.js";
 import { count, el, number, sign } from "./dom.js";
 
@@ -59,7 +60,7 @@ export function inBrief({ kind, id }, { keyframes, anchors }) {
     return [el("div", { class: "mono" }, id), el("div", { class: "muted" }, sign(session)),
       el("div", { class: "muted" }, `${covisible} covisible, ${count(seen.length, "anchor")}`)];
   }
-  const { description, class: name, state, prior, keyframes: seen } = anchors.get(id);
-  return [el("div", {}, el("span", { class: "mono" }, id), " ", description && sign(description)),
-    el("div", { class: "muted" }, sign(name), `, ${state}, ${prior ? "on a plan, " : ""}seen by ${seen.length}`)];
+  const anchor = anchors.get(id);
+  return [el("div", {}, el("span", { class: "mono" }, id), " ", anchor.description && sign(anchor.description)),
+    el("div", { class: "muted" }, sign(classAndState(anchor)))];
 }

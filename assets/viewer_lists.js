@@ -2,6 +2,7 @@
 
 import { list, path, remove } from "./viewer_api.js";
 import { count, debounced, el, fill, number, sign } from "./dom.js";
+import { classAndState, stateWords } from "./viewer_anchor_words.js";
 import { longList } from "./viewer_details.js";
 import { ANCHOR_STATES } from "./words.js";
 
@@ -22,7 +23,7 @@ export class AnchorList {
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
       el("option", { value: "" }, "every state"), el("option", { value: PLANNED }, "on a plan"),
-      ANCHOR_STATES.map((state) => el("option", {}, state)));
+      ANCHOR_STATES.map((state) => el("option", { value: state }, stateWords(state))));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
   }
@@ -116,7 +117,7 @@ export class AnchorList {
   line(anchor) {
     const text = anchor.description ? sign(anchor.description) : el("span", { class: "muted" }, "not described yet");
     return [el("div", {}, this.refs.anchor(anchor.id), " ", text),
-      el("div", { class: "muted small" }, `${anchor.class}, ${anchor.state}, seen by ${count(anchor.keyframes.length, "keyframe")}`,
+      el("div", { class: "muted small" }, classAndState(anchor),
         anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)];
   }
 }

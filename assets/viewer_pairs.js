@@ -24,7 +24,7 @@ export function pairsOf({ anchors: figures, evidence = [] }, [here, there], scen
   };
   const contradicting = contradictions.map((one) => pair("contradicts", one, { note: one.reason }));
   const agreeing = matches.map((one) => pair("agrees", one, {
-    angle: one.angle_difference_rad, distance: one.distance_difference_m, note: `level ${one.level} of 5`,
+    angle: one.angle_difference_rad, distance: one.distance_difference_m, note: `alike ${one.level} of 5`,
   }));
   const differing = evidence.filter(({ kind }) => DIFFER[kind]).flatMap(({ kind, query_anchors: own, candidate_anchors: other }) =>
     (own ?? []).map((query_anchor, at) => pair("differs", { query_anchor, candidate_anchor: other[at] }, { note: DIFFER[kind] })));

@@ -135,7 +135,7 @@ function anchors({ anchors: figures, confidence, reason }, { refs, described }) 
     el("ul", { class: "pairs" },
       matches.map((pair) => el("li", { class: "agrees" },
         el("div", {}, named(pair.query_anchor), " is like ", named(pair.candidate_anchor)),
-        el("div", { class: "muted small" }, `level ${pair.level} of 5, ${judge(pair.source)}; from here and there `,
+        el("div", { class: "muted small" }, `alike ${pair.level} of 5, ${judge(pair.source)}; from here and there `,
           `${degrees(pair.angle_difference_rad)}° and ${number(pair.distance_difference_m)} m apart; `,
           `weight ${number(pair.weight)}`))),
       contradictions.map((pair) => el("li", { class: "contradicts" },
@@ -150,6 +150,7 @@ function sum({ verdict, confidence, evidence = [] }) {
   if (confidence === undefined) return null;
   const state = { loop: "pass", rejected: "fail" }[verdict] ?? "open";
   return check(state, "Sum of the evidence", percent(confidence),
+    evidence.length > 0 && el("p", { class: "muted small" }, "For this place to the right (+), against it to the left (−); 5 is about 150 to 1."),
     bars(evidence) ?? el("p", {}, "Nothing speaks for this place, and nothing against it."));
 }
 

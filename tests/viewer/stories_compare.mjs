@@ -86,7 +86,9 @@ export const comparing = {
     assert.deepEqual(await figures({ status: "failed", inliers: 12, log10_false_alarms: -3 }, few, significant),
       ["gauge off: appearance ✕ 0.2, 0.24 needed", "gauge: anchors, S not reached", "gauge off: inliers ✕ 12, 31 needed"]);
     assert.equal((await figures({ status: "verified", inliers: 143, log10_false_alarms: -80 }, undefined, significant)).at(-1),
-      "gauge: 143 inliers by chance 1 in 10^80, 10^6 needed");
+      "gauge: 143 inliers by chance less than once in a million");
+    assert.equal((await figures({ status: "failed", inliers: 12, log10_false_alarms: -3 }, undefined, significant)).at(-1),
+      "gauge off: 12 inliers ✕ by chance once in 1,000; less than once in a million needed");
     assert.equal((await figures({ status: "verified", inliers: 25, log10_false_alarms: -8 }, undefined, counted)).at(-1), "gauge: inliers 25, 20 needed");
     assert.equal((await figures({ status: "skipped", reason: "no camera" }, undefined, counted)).at(-1), "gauge: geometry did not run: no camera");
     await page.close();

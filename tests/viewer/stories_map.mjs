@@ -107,6 +107,23 @@ export const map = {
     await server.stop();
   },
 
+  async "what the map has learned, and how much a sign tells, is said in plain words"() {
+    const server = await tower(await serve("words"));
+    const exit = { class: "exit_sign", confidence: 0.9, box: [0, 0, 9, 9], text: "EXIT", position: [2, 22, 2] };
+    const pose = { translation: { x: 7, y: 21, z: 1 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
+    await server.ask("PUT", "/v1/maps/tower/keyframes/robot-3-9", { session: "robot-3", stamp: { sec: 2100, nanosec: 0 }, pose, detections: [exit] });
+    const { items } = await server.ask("GET", "/v1/maps/tower/anchors?class=exit_sign");
+    const page = await open(`${server.url}/?map=tower&anchor=${items[0].id}`);
+    await page.waitForSelector("#details .facts >> text=what many signs say (2 of 5)");
+    assert.match(await page.textContent("#figures"), /door number like [89]\d\d/);
+    await page.click("#tab-anchors");
+    await page.selectOption("#anchors [aria-label=State]", { label: "says too little" });
+    await page.waitForSelector("#anchors >> text=1 anchor found");
+    assert.doesNotMatch(await page.textContent("body"), /uninformative|level \d of 5|numbers #/);
+    await page.close();
+    await server.stop();
+  },
+
   async "labels never lie on one another, the selected one is there, and others come when there is room"() {
     const server = await serve("labels");
     await server.ask("PUT", "/v1/maps/m", {});
