@@ -90,3 +90,6 @@ export function brief(value) {
 export function count(n, one, many = `${one}s`) {
   return `${number(n, 0)} ${n === 1 ? one : many}`;
 }
+
+/** Orders names. Numbers in them count: kf-2 comes before kf-10. */
+export const { compare: byName } = new Intl.Collator("en", { numeric: true });

@@ -4,6 +4,7 @@ import { get, key, path, post } from "./viewer_api.js";
 import { cropOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { stateTone, stateWords, tells } from "./viewer_anchor_words.js";
+import { time } from "./viewer_time.js";
 import { explain, judge } from "./viewer_verdict.js";
 
 const LISTED = 60;
@@ -142,12 +143,12 @@ export class Details {
     const place = el("div", {});
     const { keep_crops: keepsCrops } = this.world.settings();
     const read = () => shown(place, signal, async () => {
-      const { detections, observes, features } = await get(this.address("keyframes", id), signal);
+      const { detections, observes, features, pose } = await get(this.address("keyframes", id), signal);
       const line = (detection) => el("li", {},
         el("div", {}, detection.class, " ", chip(detection.outcome, { created: "good", observed: "good" }), " ",
           detection.anchor && this.refs.anchor(detection.anchor)),
         (detection.description ?? detection.text) && el("div", {}, sign(detection.description ?? detection.text)),
-        el("div", { class: "muted small" }, `confidence ${number(detection.confidence)}`,
+        el("div", { class: "muted small" }, `confidence ${number(detection.confidence)}`, distance(detection, pose),
           detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`,
           detection.has_crop ? ", with a picture" : keepsCrops === false && ", no picture: this map keeps none"));
       const both = `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`;
@@ -250,6 +251,14 @@ function facts(...rows) {
   return el("dl", { class: "facts" }, said.map(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
 }
 
+/** How far a detection was; a distance that the client assumed looks it. */
+function distance({ position, range }, { translation: { x, y, z } }) {
+  if (!position) return null;
+  const metres = `${number(Math.hypot(position[0] - x, position[1] - y, position[2] - z), 1)} m away`;
+  if (range !== "assumed") return `, ${metres}`;
+  return [", ", el("span", { class: "assumed", title: "The client measured the direction, and assumed the distance" }, `about ${metres}, assumed`)];
+}
+
 function stateChip(state) {
   return el("span", { class: `chip ${stateTone(state)}` }, stateWords(state));
 }
@@ -276,15 +285,6 @@ export function longList(items, kind, line) {
     more.textContent = `${number(items.length - from, 0)} more`;
   } }, `${number(items.length - LISTED, 0)} more`);
   return el("div", {}, list, more);
-}
-
-/** A robot's clock may count from 1970 or from its start. */
-function time({ sec, nanosec }) {
-  const seconds = `${sec}.${String(nanosec).padStart(9, "0").replace(/0{1,6}$/, "")} s`;
-  const sane = sec > 631152000 && sec < 7258118400;
-  if (!sane) return [seconds, el("span", { class: "muted" }, " of the robot's clock")];
-  const day = new Date(sec * 1000).toISOString().replace("T", " ").replace(".000Z", " UTC");
-  return [day, el("div", { class: "muted small" }, seconds)];
 }
 
 function curlOf(address, body) {

@@ -1,7 +1,7 @@
-// Lists: the map's anchors (searched by the server), keyframes and loops, for those who look by name or use no pointer.
+// Lists: the map's anchors (searched by the server) and keyframes, for those who look by name or use no pointer.
 
-import { list, path, remove } from "./viewer_api.js";
-import { count, debounced, el, fill, number, sign } from "./dom.js";
+import { list, path } from "./viewer_api.js";
+import { byName, count, debounced, el, fill, number, sign } from "./dom.js";
 import { classAndState, stateWords } from "./viewer_anchor_words.js";
 import { longList } from "./viewer_details.js";
 import { ANCHOR_STATES } from "./words.js";
@@ -155,59 +155,6 @@ export class KeyframeList {
           `, ${keyframe.covisible} covisible, ${count(keyframe.anchors.length, "anchor")}`)]));
   }
 }
-
-/** The tab of confirmed loops, those that contradict the others first. `revoked()` hears when one was revoked. */
-export function fillLoops(place, world, refs, revoked) {
-  const { loops, suspects } = world.scene();
-  if (loops.length === 0) {
-    fill(place, el("p", { class: "hint" }, "No loop is confirmed yet. A client confirms one with ",
-      el("code", {}, `POST /v1/maps/${world.map()}/loops`), " once its optimisation has closed it."));
-    return;
-  }
-  const doubt = ({ id }) => (suspects.has(id) ? 0 : 1);
-  const sorted = loops.toSorted((a, b) => doubt(a) - doubt(b) || byName(a.id, b.id));
-  fill(place, el("p", { class: "muted small" }, count(loops.length, "confirmed loop"),
-    suspects.size > 0 && `, of which ${number(suspects.size, 0)} contradict the others`),
-  longList(sorted, "lines", (loop) => [
-    el("div", {}, el("code", {}, loop.id), ": ", refs.keyframe(loop.keyframe), " back at ", refs.keyframe(loop.candidate)),
-    suspects.has(loop.id) && el("div", { class: "small fault" }, contradiction(suspects.get(loop.id))),
-    el("div", { class: "muted small" }, loop.query && [refs.query(loop.query, loop.keyframe), "; "],
-      loop.merged.length === 0 ? "no anchors merged" : "merged ",
-      loop.merged.map(({ into, from }, index) => [index > 0 && ", ", refs.anchor(from), " into ", refs.anchor(into)])),
-    revocation(world.map(), loop, revoked)]));
-}
-
-/** By how much a loop contradicts which others. */
-function contradiction({ cycle, residual, residual_rad: turn }) {
-  const off = `${number(residual, 1)} m and ${number((turn * 180) / Math.PI, 0)}° off from `;
-  return cycle.length === 0 ? `${off}the robot's own tracking` : `${off}${cycle.join(", ")}`;
-}
-
-/** A button that asks once more before it revokes a loop, and says what parts. */
-function revocation(map, { id, merged }, revoked) {
-  const place = el("div", { class: "small" });
-  const ask = () => fill(place, el("button", { type: "button", click: sure }, "Revoke…"));
-  const sure = () => {
-    const parts = merged.length === 0 ? "No anchors part." : `${count(merged.length, "pair")} of anchors part again.`;
-    const yes = el("button", { type: "button", click: revoke }, "Revoke the loop");
-    fill(place, `${parts} `, yes, " ", el("button", { type: "button", click: ask }, "Keep it"));
-    yes.focus();
-  };
-  const revoke = async () => {
-    try {
-      await remove(path("maps", map, "loops", id));
-      fill(place, "revoked");
-      revoked();
-    } catch (error) {
-      fill(place, el("span", { class: "fault", role: "alert" }, error.message));
-    }
-  };
-  ask();
-  return place;
-}
-
-/** Numbers in names count: kf-2 comes before kf-10. */
-const { compare: byName } = new Intl.Collator("en", { numeric: true });
 
 function searchBox(hint, input) {
   return el("input", { type: "search", placeholder: hint, "aria-label": hint, maxlength: TEXT_CHARACTERS, input });

@@ -80,6 +80,32 @@ export const daily = {
     await server.stop();
   },
 
+  async "a loop says which signs join the two passages, how far apart they are and when they were; an assumed distance looks assumed"() {
+    const server = await serve("joined");
+    await server.ask("PUT", "/v1/maps/m", {});
+    const seen = (sec, x, more) => {
+      const one = keyframe("robot-1", 1, "901");
+      const pose = { ...one.pose, translation: { x, y: 0, z: 0 } };
+      return { ...one, pose, stamp: { sec, nanosec: 0 }, detections: [{ ...one.detections[0], position: [x, 0, 2], ...more }] };
+    };
+    await server.ask("PUT", "/v1/maps/m/keyframes/a", seen(1_795_000_000, 0, {}));
+    await server.ask("PUT", "/v1/maps/m/keyframes/b", seen(1_795_003_725, 3, { range: "assumed" }));
+    await server.ask("PUT", "/v1/maps/m/keyframes/c", { ...seen(1_795_003_800, 4, {}), detections: [] });
+    await server.ask("POST", "/v1/maps/m/loops", { id: "loop-1", keyframe: "b", candidate: "a" });
+    await server.ask("POST", "/v1/maps/m/loops", { id: "loop-2", keyframe: "c", candidate: "a" });
+    const page = await open(`${server.url}/?map=m`);
+    await page.waitForSelector("#live[data-state=live]");
+    await page.click("#tab-loops");
+    const [first, second] = await page.locator("#loop-list li").allTextContents();
+    assert.match(first, /^b back at a.*joined by 901.*3 m apart on the map, 1 hour 2 minutes between them, the later at 2026-11-18 /s);
+    assert.match(second, /^c back at a.*no sign that both see joins them/s);
+    await page.click("#loop-list .ref >> nth=0");
+    await page.click("text=Its detections and features");
+    assert.equal(await page.textContent("#details .assumed"), "about 2 m away, assumed");
+    await page.close();
+    await server.stop();
+  },
+
   async "a key that may ask twice a second opens the page, which asks for little and waits where it is told to"() {
     const server = await tower(await serve("slow"));
     await server.ask("POST", "/v1/maps/tower/loops", { id: "loop-1", keyframe: "robot-2-1", candidate: "robot-1-1" });
