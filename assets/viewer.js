@@ -19,6 +19,7 @@ import { Releases } from "./viewer_releases.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
+import { Verdicts } from "./viewer_verdicts.js";
 import { Where } from "./viewer_where.js";
 import { brief, debounced, el, fill } from "./dom.js";
 
@@ -45,11 +46,7 @@ const refs = {
   keyframe: (id) => ref(id, () => select("keyframe", id)),
   // An anchor of a keyframe that was asked about and not stored has no page.
   anchor: (id) => (id.startsWith("inline-") ? el("code", {}, id) : ref(id, () => select("anchor", id))),
-  query: (id, keyframe) => ref("why", () => {
-    choose(keyframe ? { kind: "keyframe", id: keyframe } : null);
-    openTab("details");
-    details.query(id);
-  }),
+  query: (id, keyframe) => ref("why", () => readQuery({ query: id, keyframe })),
   place: (map, id) => ref(id, () => (map === state.map ? select("keyframe", id) : open(map, { kind: "keyframe", id }, true))),
 };
 const world = {
@@ -66,6 +63,7 @@ const events = new EventList(at("events"), at("tab-events"), refs);
 const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: () => load() });
 const sweep = new Sweep(at("sweep"), world, refs);
 const releases = new Releases(at("releases"), world, refs, changedOnMap);
+const verdicts = new Verdicts(at("verdicts"), world, readQuery);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
@@ -145,6 +143,14 @@ function find() {
   anchors.focus();
 }
 
+/** Shows the answer to a loop query, and on the map what was asked about. `line` is what a list tells of it. */
+function readQuery({ query, keyframe, ...line }) {
+  choose(keyframe ? { kind: "keyframe", id: keyframe } : null);
+  openTab("details");
+  details.query(query, { keyframe, ...line });
+  showDetails();
+}
+
 function letGo() {
   choose(null);
   details.clear();
@@ -210,6 +216,7 @@ async function open(map, selection = null, push = false, meta = null) {
   keyframes.reset();
   sweep.reset();
   releases.reset();
+  verdicts.reset();
   where.refresh();
   details.clear();
   if (!await load(meta)) return;
@@ -380,6 +387,7 @@ const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
   loops: () => { fillLoops(at("loop-list"), world, refs, () => follower.soon()); sweep.refresh(); },
+  verdicts: () => verdicts.refresh(),
   where: () => where.refresh(),
   releases: () => releases.refresh(),
 };

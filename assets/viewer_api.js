@@ -66,12 +66,21 @@ export async function remove(address) {
   return response.status === 204 ? null : response.json();
 }
 
+/** What was answered to `whyNotWrite`, by key and map. */
+const barred = new Map();
+
 /**
  * Why the key of this tab may not write to a map; null if it may. No request tells what a key may do, so this one uploads
  * no keyframe at all.
  */
-export async function whyNotWrite(map) {
-  if (!key()) return null;
+export function whyNotWrite(map) {
+  if (!key()) return Promise.resolve(null);
+  const question = `${key()} ${map}`;
+  if (!barred.has(question)) barred.set(question, askWhether(map));
+  return barred.get(question);
+}
+
+async function askWhether(map) {
   const headers = { "content-type": "application/x-ndjson" };
   try {
     await send(path("maps", map, "keyframes"), { method: "POST", headers, body: "" });

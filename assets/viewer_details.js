@@ -1,11 +1,13 @@
 // Details: all that is known about the selected keyframe or anchor.
 
 import { get, key, path, post } from "./viewer_api.js";
+import { confirmation } from "./viewer_confirm.js";
 import { cropOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { stateTone, stateWords, tells } from "./viewer_anchor_words.js";
 import { time } from "./viewer_time.js";
 import { explain, judge } from "./viewer_verdict.js";
+import { lineOnly } from "./viewer_verdicts.js";
 
 const LISTED = 60;
 const QUESTION = "Is it a loop?";
@@ -98,15 +100,18 @@ export class Details {
     this.world.mark("keyframe", id, { verdict });
     const described = (anchor) => this.world.scene().anchors.get(anchor)?.description;
     const compare = (candidate) => this.world.compare(verdict, candidate);
-    return explain(verdict, { refs: this.refs, described, curl, version: this.world.version(), compare });
+    const isThis = ({ keyframe, candidate }) => keyframe === id && candidate === verdict.best;
+    const confirm = (answer) => confirmation(this.world.map(), answer, this.world.scene().loops.find(isThis));
+    return explain(verdict, { refs: this.refs, described, curl, version: this.world.version(), compare, confirm });
   }
 
-  /** A verdict that was kept. */
-  query(query) {
+  /** A verdict that was kept. `line` is what the list of verdicts tells of it. */
+  query(query, line = null) {
     const signal = this.begin();
     const answer = el("div", {});
     fill(this.place, el("h2", {}, "Loop query ", el("code", {}, query)), answer);
     shown(answer, signal, async () => {
+      if (line?.is_whole === false) return lineOnly(line, this.refs);
       const verdict = await get(this.address("loop-queries", query), signal);
       const asked = verdict.keyframe ?? null;
       return [el("p", {}, asked ? ["Asked about ", this.refs.keyframe(asked)] : "Asked about a keyframe that is not stored."),

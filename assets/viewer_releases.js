@@ -31,7 +31,6 @@ export class Releases {
   reset() {
     this.turn.abort();
     Object.assign(this, { items: [], barred: null });
-    this.asked = null;
     this.name.value = this.description.value = "";
     this.tell(null);
     this.fault(null);
@@ -49,8 +48,7 @@ export class Releases {
     this.changes.refresh();
     if (!this.button.disabled) this.button.textContent = `Publish version ${this.world.version()}`;
     try {
-      this.asked ??= whyNotWrite(map);
-      const [{ items }, barred] = await Promise.all([list(path("maps", map, "releases"), { signal }), this.asked]);
+      const [{ items }, barred] = await Promise.all([list(path("maps", map, "releases"), { signal }), whyNotWrite(map)]);
       if (signal.aborted) return;
       this.items = items.sort((a, b) => b.published.sec - a.published.sec || b.published.nanosec - a.published.nanosec);
       this.barred = barred;

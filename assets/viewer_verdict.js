@@ -22,9 +22,9 @@ export function toneOf(verdict) {
 
 /**
  * The whole answer. `refs` makes references to keyframes and anchors, `described(id)` gives an anchor's description;
- * `curl` is the request it answers, `compare(candidate)` sets one beside the query.
+ * `curl` is the request it answers, `compare(candidate)` sets one beside the query, `confirm(answer)` gives what closes a loop.
  */
-export function explain(answer, { refs, described, curl, version, compare }) {
+export function explain(answer, { refs, described, curl, version, compare, confirm }) {
   const { candidates, excluded_covisible: excluded = 0 } = answer;
   const context = { refs, described, compare };
   const cards = candidates.map((candidate, index) => card(candidate, index === 0, context));
@@ -33,8 +33,7 @@ export function explain(answer, { refs, described, curl, version, compare }) {
     el("h3", {}, headline(answer, refs)),
     el("p", {}, answer.why ? sign(answer.why) : answer.reason && why(answer.reason)),
     closedLoops(answer.closed ?? [], refs),
-    answer.verdict === "loop" && el("p", { class: "muted small" },
-      "A verdict is not yet a closed loop: the client confirms it once it has closed it (POST …/loops)."),
+    answer.verdict === "loop" && confirm(answer),
     answer.degraded && el("p", { class: "small" }, "A language model was away: the built-in judge stood in for it."),
     el("p", { class: "muted small" },
       `${count(candidates.length, "candidate")} compared, at version ${answer.map_version} of the map. `,

@@ -80,6 +80,31 @@ export const daily = {
     await server.stop();
   },
 
+  async "a loop that was found is confirmed from the page, and only by a key that may write"() {
+    const server = await tower(await serve("confirm"));
+    const page = await open(`${server.url}/?map=tower&keyframe=robot-2-1`, { expected: /40[13]/ });
+    await page.click("text=Is it a loop?");
+    await page.click("text=Confirm the loop");
+    await page.waitForSelector("#details >> text=/Confirmed as loop-q-/");
+    await page.waitForFunction(() => document.getElementById("tab-loops").textContent === "Loops 1");
+    const { items: [{ id, keyframe, candidate }] } = await server.ask("GET", "/v1/maps/tower/loops");
+    assert.equal(keyframe, "robot-2-1");
+    await page.click("#tab-loops");
+    await page.click("#loop-list >> text=why");
+    await page.waitForSelector("#details >> text=/Confirmed as loop-q-.*The tab Loops revokes it/");
+    assert.ok(candidate.startsWith("robot-1"));
+    await server.ask("DELETE", `/v1/maps/tower/loops/${id}`);
+    const { secret } = await server.ask("POST", "/v1/keys", { name: "reader", actions: ["read", "query", "admin"], maps: ["*"] });
+    await page.evaluate((key) => sessionStorage.setItem("revisit.key", key), secret);
+    await page.goto(`${server.url}/?map=tower&keyframe=robot-2-1`);
+    await page.click("text=Is it a loop?");
+    await page.waitForSelector("#details >> text=A verdict is not yet a closed loop");
+    await page.waitForTimeout(300);
+    assert.equal(await page.locator("text=Confirm the loop").count(), 0);
+    await page.close();
+    await server.stop();
+  },
+
   async "a loop says which signs join the two passages, how far apart they are and when they were; an assumed distance looks assumed"() {
     const server = await serve("joined");
     await server.ask("PUT", "/v1/maps/m", {});
