@@ -58,6 +58,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_details.js"
     "viewer_draw.js"
     "viewer_empty.js"
+    "viewer_event_list.js"
     "viewer_events.js"
     "viewer_evidence.js"
     "viewer_follow.js"

@@ -63,6 +63,14 @@ export const following = {
     assert.match(lines[0], /^3,000 keyframes of robot-1 stored, the last kf-3009$/);
     assert.match(lines[1], /^Keyframe kf-0 removed$/);
     assert.match(lines[3], /^2 keyframes of robot-1 stored, the last kf-1$/);
+    // Of one kind alone, also of what comes.
+    await page.selectOption("#events [aria-label='Kind of event']", "loops");
+    await page.waitForSelector("#events >> text=Nothing of this kind has happened.");
+    await server.ask("POST", "/v1/maps/m/loops", { id: "loop-1", keyframe: "kf-3009", candidate: "kf-10" });
+    await page.waitForSelector("#events >> text=Loop loop-1 closed: kf-3009 with kf-10");
+    assert.equal(await page.locator("#events li").count(), 1);
+    await page.selectOption("#events [aria-label='Kind of event']", "everything");
+    await page.waitForSelector("#events li:nth-child(5)");
     await page.close();
     await server.stop();
   },
