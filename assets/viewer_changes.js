@@ -1,7 +1,7 @@
 // Changes: what a map has that a release has not, or another release: in words, as lists, and marked on the map.
 
 import { get, path } from "./viewer_api.js";
-import { longList } from "./viewer_details.js";
+import { longList } from "./viewer_tables.js";
 import { count, el, fill, number, sign } from "./dom.js";
 
 const LISTED = 1000;

@@ -2,14 +2,14 @@
 
 import { get, key, path, post } from "./viewer_api.js";
 import { confirmation } from "./viewer_confirm.js";
-import { cropOf } from "./viewer_crop.js";
+import { cropOf, thumbOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { stateTone, stateWords, tells } from "./viewer_anchor_words.js";
+import { facts, longList, table } from "./viewer_tables.js";
 import { time } from "./viewer_time.js";
 import { explain, judge } from "./viewer_verdict.js";
 import { lineOnly } from "./viewer_verdicts.js";
 
-const LISTED = 60;
 const QUESTION = "Is it a loop?";
 
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
@@ -137,10 +137,15 @@ export class Details {
       if (anchors.length === 0) return el("p", { class: "muted" }, "None: neither it nor a covisible keyframe sees an anchor.");
       const near = anchors.slice().sort((a, b) => a.distance_m - b.distance_m);
       return table(["Anchor", "Reads", "Distance", "Weight"], near.map((anchor) => [
-        this.refs.anchor(anchor.anchor), anchor.description ? sign(anchor.description) : stateChip(anchor.state),
+        this.refs.anchor(anchor.anchor),
+        [anchor.description ? sign(anchor.description) : stateChip(anchor.state), this.thumb(anchor.anchor, signal)],
         `${number(anchor.distance_m)} m`, anchor.state === "valid" ? number(anchor.weight) : "–",
       ]));
     });
+  }
+
+  thumb(anchor, signal) {
+    return this.world.scene().anchors.get(anchor)?.has_crop && thumbOf(this.address("anchors", anchor, "crop"), signal);
   }
 
   /** Read only when it is opened: the answer carries every feature of the keyframe. */
@@ -251,11 +256,6 @@ async function shown(place, signal, read) {
   }
 }
 
-function facts(...rows) {
-  const said = rows.filter(([, value]) => value !== null && value !== undefined && value !== false && value !== "");
-  return el("dl", { class: "facts" }, said.map(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
-}
-
 /** How far a detection was; a distance that the client assumed looks it. */
 function distance({ position, range }, { translation: { x, y, z } }) {
   if (!position) return null;
@@ -270,26 +270,6 @@ function stateChip(state) {
 
 function chip(state, tones) {
   return el("span", { class: `chip ${tones[state] ?? ""}` }, state);
-}
-
-function table(heads, rows) {
-  return el("table", {}, el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col" }, head)))),
-    el("tbody", {}, rows.map((cells) => el("tr", {}, cells.map((cell) => el("td", {}, cell))))));
-}
-
-/** A list that shows its first items, and the rest when asked. */
-export function longList(items, kind, line) {
-  const list = el("ul", { class: kind }, items.slice(0, LISTED).map((item) => el("li", {}, line(item))));
-  if (items.length <= LISTED) return list;
-  let from = LISTED;
-  const more = el("button", { type: "button", click: () => {
-    list.append(...items.slice(from, from + 500).map((item) => el("li", {}, line(item))));
-    from += 500;
-    more.remove();
-    if (from < items.length) list.after(more);
-    more.textContent = `${number(items.length - from, 0)} more`;
-  } }, `${number(items.length - LISTED, 0)} more`);
-  return el("div", {}, list, more);
 }
 
 function curlOf(address, body) {

@@ -1,9 +1,10 @@
 // Lists: the map's anchors (searched by the server) and keyframes, for those who look by name or use no pointer.
 
-import { list, path } from "./viewer_api.js";
-import { byName, count, debounced, el, fill, number, sign } from "./dom.js";
 import { classAndState, stateWords } from "./viewer_anchor_words.js";
-import { longList } from "./viewer_details.js";
+import { list, path } from "./viewer_api.js";
+import { thumbOf } from "./viewer_crop.js";
+import { longList } from "./viewer_tables.js";
+import { byName, count, debounced, el, fill, number, sign } from "./dom.js";
 import { ANCHOR_STATES } from "./words.js";
 
 const SEARCH_WAIT_MS = 250;
@@ -116,7 +117,8 @@ export class AnchorList {
 
   line(anchor) {
     const text = anchor.description ? sign(anchor.description) : el("span", { class: "muted" }, "not described yet");
-    return [el("div", {}, this.refs.anchor(anchor.id), " ", text),
+    const thumb = anchor.has_crop && thumbOf(path("maps", this.world.map(), "anchors", anchor.id, "crop"), this.turn.signal);
+    return [el("div", {}, this.refs.anchor(anchor.id), " ", text, thumb),
       el("div", { class: "muted small" }, classAndState(anchor),
         anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)];
   }

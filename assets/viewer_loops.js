@@ -1,10 +1,10 @@
 // Loops: the tab of confirmed loops: which signs join the two passages, how far apart they were, and when.
 
 import { path, remove } from "./viewer_api.js";
-import { longList } from "./viewer_details.js";
 import { isName } from "./viewer_labels.js";
 import { presentName } from "./viewer_pairs.js";
 import { moved } from "./viewer_scene.js";
+import { longList } from "./viewer_tables.js";
 import { between, isDate, moment } from "./viewer_time.js";
 import { byName, count, el, fill, number, sign } from "./dom.js";
 

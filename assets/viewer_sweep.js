@@ -1,7 +1,7 @@
 // Sweep: asks about every keyframe of a session, and lists by their reasons those that are no loop, near misses first.
 
 import { path, post } from "./viewer_api.js";
-import { longList } from "./viewer_details.js";
+import { longList } from "./viewer_tables.js";
 import { why } from "./viewer_verdict.js";
 import { shortfall } from "./viewer_why_not.js";
 import { REASONS } from "./words.js";

@@ -78,6 +78,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_releases.js"
     "viewer_scene.js"
     "viewer_sweep.js"
+    "viewer_tables.js"
     "viewer_tabs.js"
     "viewer_time.js"
     "viewer_turns.js"

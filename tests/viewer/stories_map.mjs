@@ -107,6 +107,23 @@ export const map = {
     await server.stop();
   },
 
+  async "the pictures of signs stand beside their texts, and are read when they come into view"() {
+    const server = await tower(await serve("thumbs"));
+    const page = await open(`${server.url}/?map=tower&keyframe=robot-1-1`, { height: 600 });
+    await page.waitForSelector("#details table .thumb canvas");
+    await page.click("#tab-anchors");
+    await page.waitForSelector("#anchors li");
+    const { items } = await server.ask("GET", "/v1/maps/tower/anchors");
+    const pictured = items.filter(({ has_crop: has }) => has).map(({ id }) => id);
+    assert.equal(await page.locator("#anchors .thumb").count(), pictured.length);
+    const last = page.locator("#anchors li:has(.thumb)").last();
+    assert.equal(await last.locator("canvas").count(), 0);
+    await last.scrollIntoViewIfNeeded();
+    await last.locator("canvas").waitFor();
+    await page.close();
+    await server.stop();
+  },
+
   async "what the map has learned, and how much a sign tells, is said in plain words"() {
     const server = await tower(await serve("words"));
     const exit = { class: "exit_sign", confidence: 0.9, box: [0, 0, 9, 9], text: "EXIT", position: [2, 22, 2] };
