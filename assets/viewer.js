@@ -20,6 +20,7 @@ import { Releases } from "./viewer_releases.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
+import { Until } from "./viewer_until.js";
 import { Verdicts } from "./viewer_verdicts.js";
 import { Where } from "./viewer_where.js";
 import { brief, debounced, el, fill } from "./dom.js";
@@ -64,6 +65,7 @@ const events = new EventList(at("events"), at("tab-events"), refs);
 const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: () => load() });
 const sweep = new Sweep(at("sweep"), world, refs);
 const releases = new Releases(at("releases"), world, refs, changedOnMap);
+const until = new Until(at("until"), lay);
 const verdicts = new Verdicts(at("verdicts"), world, readQuery);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
@@ -92,7 +94,7 @@ function choose(selection, reveal = true) {
   state.selection = selection;
   state.marks = {};
   remark();
-  if (selection && reveal && !canvas.reveal(selection.kind, selection.id) && state.choice !== null) {
+  if (selection && reveal && !canvas.reveal(selection.kind, selection.id) && (state.choice !== null || until.isOn)) {
     showAll();
     canvas.reveal(selection.kind, selection.id);
   }
@@ -100,6 +102,7 @@ function choose(selection, reveal = true) {
 }
 
 function showAll() {
+  until.reset();
   Object.assign(state, { choice: null, apart: true, fleet: true });
   lay();
   canvas.fit();
@@ -217,6 +220,7 @@ async function open(map, selection = null, push = false, meta = null) {
   keyframes.reset();
   sweep.reset();
   releases.reset();
+  until.reset();
   verdicts.reset();
   where.refresh();
   details.clear();
@@ -360,8 +364,9 @@ function lay() {
   const fleet = state.fleet && scene.joined > 1;
   if (choice !== null && ![...scene.sessions, ...scene.plans].some(({ name }) => name === choice)) state.choice = null;
   const plane = state.plane ?? widestPlane(scene, fleet);
+  until.refresh(scene.sessions.filter(({ name }) => state.choice === null || name === state.choice));
   const { width, height } = canvas.size;
-  canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, fleet, aspect: width / height }));
+  canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, fleet, aspect: width / height }), until.shown());
   const value = state.choice !== null ? `=${state.choice}` : fleet ? "fleet" : apart ? "apart" : "over";
   at("sessions").value = value;
   if (at("sessions").selectedIndex < 0) at("sessions").selectedIndex = 0;
@@ -415,6 +420,7 @@ at("maps").addEventListener("change", ({ target }) => open(target.value, null, t
 at("sessions").addEventListener("change", ({ target: { value } }) => {
   Object.assign(state, { choice: value.startsWith("=") ? value.slice(1) : null, apart: value !== "over", fleet: value === "fleet" });
   canvas.moved = false;
+  until.reset();
   lay();
 });
 addEventListener("popstate", start);

@@ -33,18 +33,20 @@ export class MapCanvas {
     this.listen();
   }
 
-  /** A new scene or another layout of it; the view stays where somebody has moved it. */
-  show(scene, layout) {
+  /** A new scene or another layout of it, and of its keyframes those `shown` (null: all); the view stays where somebody has moved it. */
+  show(scene, layout, shown = null) {
     Object.assign(this, { scene, layout });
     const [u, v] = layout.plane;
+    const isShown = (id) => shown === null || shown.has(id);
+    const isSeen = ({ anchor }) => shown === null || anchor.keyframes.some(isShown);
     this.bySession = new Map();
     this.anchors = [];
     for (const { session, placed, du, dv } of layout.groups.filter((group) => !group.session.isPlan)) {
-      this.bySession.set(session, session.keyframes.map(({ id, place, forward }) => {
+      this.bySession.set(session, session.keyframes.filter(({ id }) => isShown(id)).map(({ id, place, forward }) => {
         const [at, ahead] = [moved(placed, place), turned(placed, forward)];
         return { kind: "keyframe", id, u: at[u] + du, v: at[v] + dv, ahead: [ahead[u], ahead[v]], session };
       }));
-      for (const { anchor, place } of session.anchors) {
+      for (const { anchor, place } of session.anchors.filter(isSeen)) {
         const at = moved(placed, place);
         this.anchors.push({ kind: "anchor", id: anchor.id, u: at[u] + du, v: at[v] + dv, anchor, session });
       }

@@ -4,6 +4,7 @@ import { classAndState, stateWords } from "./viewer_anchor_words.js";
 import { list, path } from "./viewer_api.js";
 import { thumbOf } from "./viewer_crop.js";
 import { longList } from "./viewer_tables.js";
+import { Trajectory } from "./viewer_trajectory.js";
 import { byName, count, debounced, el, fill, number, sign } from "./dom.js";
 import { ANCHOR_STATES } from "./words.js";
 
@@ -132,13 +133,15 @@ function nothing(parameters) {
   return text === undefined ? `${none} is in the map.` : [none, " reads like ", sign(`“${text}”`), ", and no keyframe has such an id."];
 }
 
-/** The tab of keyframes, filtered by name here. */
+/** The tab of keyframes, filtered by name here, and the trajectory that they make. */
 export class KeyframeList {
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs });
     this.text = searchBox("Filter by id or session", debounced(() => this.refresh(), FILTER_WAIT_MS));
     this.results = el("div", {});
-    fill(place, el("div", { class: "filters" }, this.text), this.results);
+    const trajectory = el("div", { class: "row small" });
+    this.trajectory = new Trajectory(trajectory, world);
+    fill(place, el("div", { class: "filters" }, this.text, trajectory), this.results);
   }
 
   reset() {
@@ -146,6 +149,7 @@ export class KeyframeList {
   }
 
   refresh() {
+    this.trajectory.refresh();
     const wanted = this.text.value.trim().toLowerCase();
     const all = [...this.world.scene().keyframes.values()];
     const keyframes = all.filter(({ id, session }) => `${id}\n${session}`.toLowerCase().includes(wanted))

@@ -107,6 +107,48 @@ export const map = {
     await server.stop();
   },
 
+  async "the map is shown as it was up to a moment, and whole again for what came later"() {
+    const server = await tower(await serve("until"));
+    const page = await open(`${server.url}/?map=tower`);
+    await page.waitForSelector("#live[data-state=live]");
+    await chosen(page, "=robot-3");
+    const moved = async (to) => texts(await labels(page, () => page.locator("#until input").fill(to)));
+    const keyframes = () => page.evaluate(() => document.querySelector("#until output").textContent);
+    assert.equal(await keyframes(), "all 7 keyframes");
+    const early = await moved("1");
+    assert.equal(await keyframes(), "1 of 7, up to 2000 s");
+    assert.ok(early.includes("801") && !early.includes("807"), early.join());
+    await page.click("#tab-keyframes");
+    await page.click("#keyframes .ref >> text=robot-3-6");
+    await page.waitForSelector("#details h2 >> text=robot-3-6");
+    assert.match(await keyframes(), /^all \d+ keyframes$/);
+    assert.ok(texts(await labels(page)).includes("807"));
+    await page.close();
+    await server.stop();
+  },
+
+  async "a trajectory is downloaded, of one session or of all in one frame"() {
+    const server = await tower(await serve("trajectory"));
+    const page = await open(`${server.url}/?map=tower`);
+    await page.waitForSelector("#live[data-state=live]");
+    await page.click("#tab-keyframes");
+    const download = async (session, format) => {
+      await page.selectOption("[aria-label='Session of the trajectory']", session);
+      const [file] = await Promise.all([page.waitForEvent("download"), page.click(`#keyframes button >> text=${format}`)]);
+      const chunks = [];
+      for await (const chunk of await file.createReadStream()) chunks.push(chunk);
+      return { name: file.suggestedFilename(), lines: Buffer.concat(chunks).toString().trim().split("\n").filter((line) => !line.startsWith("#")) };
+    };
+    const one = await download("robot-2", "TUM");
+    assert.equal(one.name, "tower.robot-2.tum");
+    assert.equal(one.lines.length, 7);
+    assert.ok(one.lines.every((line) => line.split(" ").length === 8));
+    assert.equal((await download("", "KITTI")).lines.length, 14);
+    assert.match((await download("robot-1", "g2o")).lines[0], /^VERTEX_SE3:QUAT /);
+    await page.close();
+    await server.stop();
+  },
+
   async "the pictures of signs stand beside their texts, and are read when they come into view"() {
     const server = await tower(await serve("thumbs"));
     const page = await open(`${server.url}/?map=tower&keyframe=robot-1-1`, { height: 600 });
