@@ -2,6 +2,7 @@
 
 import { problems } from "./docs_problems.js";
 import { inline, pretty, prose } from "./docs_prose.js";
+import { runnable } from "./docs_run.js";
 import { Schemas, parameters } from "./docs_schema.js";
 import { calls } from "./docs_start.js";
 import { Commands, grouped } from "./docs_try.js";
@@ -30,8 +31,8 @@ function render(api, keyed) {
   const server = { base: new URL(".", document.baseURI).href, keyed };
   const commands = new Commands(api, schemas, server);
   const steps = calls(server);
-  fill(at("calls"), steps.map(({ id, title, about, text }, number) => el("section", { id, class: "call" },
-    el("h3", {}, el("a", { href: `#${id}`, class: "self" }, `${number + 1}. ${title}`)), el("p", {}, inline(about)), copyable(text))));
+  fill(at("calls"), steps.map(({ id, title, about, text, steps: requests }, number) => el("section", { id, class: "call" },
+    el("h3", {}, el("a", { href: `#${id}`, class: "self" }, `${number + 1}. ${title}`)), el("p", {}, inline(about)), runnable(text, requests))));
   const groups = grouped(api);
   fill(at("reference"),
     el("section", { class: "intro" }, prose(api.info.description),
@@ -68,12 +69,12 @@ function foldMenu() {
 function article(operation, api, schemas, commands) {
   const { id, method, path, summary, description, parameters: given = [], requestBody } = operation;
   const [type, body] = Object.entries(requestBody?.content ?? {})[0] ?? [];
-  const { text, note } = commands.of(id);
+  const { text, steps, note } = commands.of(id);
   return el("article", { id, class: "operation", "data-words": words(operation, schemas) },
     el("h3", {}, el("a", { href: `#${id}`, class: "self" }, summary)),
     el("p", { class: "address" }, el("span", { class: `method ${method}` }, method), " ", el("code", {}, route(path))),
     prose(description),
-    el("h4", {}, "Try it"), copyable(text), note && el("p", { class: "muted" }, inline(note)),
+    el("h4", {}, "Try it"), runnable(text, steps), note && el("p", { class: "muted" }, inline(note)),
     given.length > 0 && [el("h4", {}, "Parameters"), parameters(given, schemas)],
     body && [el("h4", {}, "Body ", el("code", { class: "muted" }, type)), schemas.fields(body.schema)],
     el("h4", {}, "Answers"), answers(operation, api, schemas));

@@ -35,5 +35,6 @@ export function calls({ base, keyed = false }) {
   return CALLS.map(({ id, title, about, path, body }, number) => ({
     id, title, about: number === 0 ? about + needed : about,
     text: `curl -X PUT '${base}${path}'${key} \\\n  -H 'content-type: application/json' \\\n  -d '${pretty(body, "  ")}'`,
+    steps: [{ id, method: "PUT", url: base + path, headers: [["content-type", "application/json"]], body: { text: pretty(body, "  ") }, types: ["application/json"] }],
   }));
 }

@@ -81,14 +81,19 @@ export class Commands {
     }));
   }
 
-  /** The commands of an operation, what to know about them, and the status that a plain server answers where it is a refusal. */
+  /**
+   * The commands of an operation, the requests that they make, what to know about them, and the status that a plain server answers
+   * where it is a refusal.
+   */
   of(id) {
     const before = (BEFORE[id] ?? []).map(({ operation, samples, body, keep }) =>
-      kept(this.curl(operation, samples, typeof body === "function" ? body(this.operations) : body, Boolean(keep)), keep));
-    return { text: [...before, this.curl(id)].join("\n"), note: NOTES[id]?.text ?? null, status: NOTES[id]?.status ?? null };
+      this.request(operation, samples, typeof body === "function" ? body(this.operations) : body, keep));
+    const steps = [...before, this.request(id)];
+    return { text: steps.map(curl).join("\n"), steps, note: NOTES[id]?.text ?? null, status: NOTES[id]?.status ?? null };
   }
 
-  curl(id, samples = OWN_SAMPLES[id], sent = undefined, silent = false) {
+  /** A request: `url` may hold variables, `$NAME`, which earlier answers fill (`keep`). `types` are those of its answers. */
+  request(id, samples = OWN_SAMPLES[id], sent = undefined, keep = null) {
     const { method, path, tag, security, parameters: given = [], responses, type, body } = this.operations[id];
     const value = ({ name, example: sample, schema }) =>
       samples?.[name] ?? sample ?? schema?.example ?? SAMPLES[name] ?? name;
@@ -97,28 +102,38 @@ export class Commands {
     const filled = path.replace(/\{(\w+)\}/g, (_, name) => encoded(value(inPath(name))));
     const asked = given.filter((one) => one.in === "query" && (one.required || one.example !== undefined) && one.schema?.default === undefined);
     const query = asked.map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
-    const address = this.base + filled.slice(1) + (query && `?${query}`);
-    const answerTypes = Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {}));
-    const parts = ["curl"];
-    if (silent) parts.push("-s");
-    if (answerTypes.includes("text/event-stream")) parts.push("-N");
-    if (answerTypes.some((kind) => kind.startsWith("image/"))) parts.push("-O");
-    if (method !== "get") parts.push(`-X ${method.toUpperCase()}`);
-    parts.push(quoted(address));
-    const lines = [parts.join(" ")];
+    const headers = given.filter((one) => one.in === "header" && one.required).map((one) => [one.name, value(one)]);
+    if (body) headers.push(["content-type", type]);
     const needsKey = (security ?? []).some((one) => Object.keys(one).length > 0);
     // The first key cannot be asked for with a key, and is there afterwards.
     const isFirstKey = id === "create_key" && sent === undefined;
-    if (needsKey && (this.keyed || (tag === KEYS && !isFirstKey))) lines.push(`-H "authorization: Bearer $${KEY}"`);
-    for (const one of given) if (one.in === "header" && one.required) lines.push(`-H ${quoted(`${one.name}: ${value(one)}`)}`);
-    if (body) {
-      lines.push(`-H 'content-type: ${type}'`);
-      const sample = sent ?? body.example ?? {};
-      const ordered = typeof sample === "string" ? sample.trimEnd() : this.schemas.ordered(sample, body.schema);
-      lines.push(typeof ordered === "string" ? `--data-binary ${quoted(ordered)}` : `-d ${quoted(pretty(ordered, "  "))}`);
-    }
-    return lines.join(" \\\n  ");
+    return {
+      id, method: method.toUpperCase(), url: this.base + filled.slice(1) + (query && `?${query}`), headers, keep,
+      isKeyed: needsKey && (this.keyed || (tag === KEYS && !isFirstKey)),
+      body: body ? this.bodyOf(sent ?? body.example ?? {}, body.schema) : null,
+      types: Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {})),
+    };
   }
+
+  /** A text is sent as it stands, JSON in the order of its schema. */
+  bodyOf(sample, schema) {
+    const ordered = typeof sample === "string" ? sample.trimEnd() : this.schemas.ordered(sample, schema);
+    return typeof ordered === "string" ? { text: ordered, isText: true } : { text: pretty(ordered, "  "), isText: false };
+  }
+}
+
+function curl({ method, url, headers, isKeyed, body, types, keep }) {
+  const parts = ["curl"];
+  if (keep) parts.push("-s");
+  if (types.includes("text/event-stream")) parts.push("-N");
+  if (types.some((kind) => kind.startsWith("image/"))) parts.push("-O");
+  if (method !== "GET") parts.push(`-X ${method}`);
+  parts.push(quoted(url));
+  const lines = [parts.join(" ")];
+  if (isKeyed) lines.push(`-H "authorization: Bearer $${KEY}"`);
+  for (const [name, text] of headers) lines.push(`-H ${name === "content-type" ? `'${name}: ${text}'` : quoted(`${name}: ${text}`)}`);
+  if (body) lines.push(`${body.isText ? "--data-binary" : "-d"} ${quoted(body.text)}`);
+  return kept(lines.join(" \\\n  "), keep);
 }
 
 /** A command whose answer's member is kept in a variable. */

@@ -35,6 +35,7 @@ const ASSETS: &[Asset] = assets![
     "docs.js"
     "docs_problems.js"
     "docs_prose.js"
+    "docs_run.js"
     "docs_schema.js"
     "docs_start.js"
     "docs_try.js"

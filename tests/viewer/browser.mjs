@@ -11,6 +11,7 @@ import { chromium } from "playwright-core";
 const [program, executablePath = "/usr/bin/chromium"] = process.argv.slice(2);
 /** A folder whose files stand in for those of the program: whoever works on the page need not build it each time. */
 const { ASSETS } = process.env;
+const PAGES = { "/": "viewer.html", "/docs": "docs.html" };
 const KINDS = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml" };
 /** Servers that run: whatever becomes of a story, none is left behind. */
 const servers = new Set();
@@ -47,7 +48,7 @@ export async function open(url, { scheme = "light", expected = /(?!)/, width = 1
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
   page.on("console", (message) => { if (!expected.test(message.text())) said.push(message.text()); });
   page.on("pageerror", (error) => said.push(String(error)));
-  if (ASSETS) await page.route(({ pathname }) => pathname === "/" || /^\/assets\/(?!words)/.test(pathname), fromFolder);
+  if (ASSETS) await page.route(({ pathname }) => pathname in PAGES || /^\/assets\/(?!words)/.test(pathname), fromFolder);
   await page.goto(url);
   return page;
 }
@@ -57,7 +58,7 @@ const policies = new Map();
 /** The file of the folder, under the policy that the program gives its own. */
 async function fromFolder(route) {
   const { pathname, origin } = new URL(route.request().url());
-  const name = pathname === "/" ? "viewer.html" : pathname.slice("/assets/".length);
+  const name = PAGES[pathname] ?? pathname.slice("/assets/".length);
   if (!policies.has(origin)) policies.set(origin, (await fetch(origin)).headers.get("content-security-policy"));
   const body = readFileSync(join(ASSETS, name));
   await route.fulfill({ body, headers: { "content-type": KINDS[name.split(".").pop()], "content-security-policy": policies.get(origin) } });

@@ -5,13 +5,14 @@ import assert from "node:assert/strict";
 import { finish, said } from "./browser.mjs";
 import { comparing } from "./stories_compare.mjs";
 import { daily } from "./stories_daily.mjs";
+import { docs } from "./stories_docs.mjs";
 import { layout } from "./stories_layout.mjs";
 import { map } from "./stories_map.mjs";
 import { reaching } from "./stories_reach.mjs";
 import { following, releasing } from "./stories_releases.mjs";
 
 const [, , ...chosen] = process.argv.slice(2);
-const stories = Object.entries({ ...daily, ...comparing, ...map, ...layout, ...reaching, ...following, ...releasing });
+const stories = Object.entries({ ...daily, ...comparing, ...map, ...layout, ...reaching, ...following, ...releasing, ...docs });
 
 try {
   for (const [name, story] of stories.filter(([name]) => chosen.length === 0 || chosen.some((word) => name.includes(word)))) {
