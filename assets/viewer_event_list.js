@@ -20,10 +20,11 @@ export class EventList {
     Object.assign(this, { place, tab, refs, total: 0, fresh: [], drawing: false });
     this.kind = el("select", { "aria-label": "Kind of event", change: () => this.filter() },
       el("option", { value: "" }, "everything"), Object.keys(KINDS).map((kind) => el("option", {}, kind)));
-    this.clear();
+    this.reset();
   }
 
-  clear() {
+  /** Another map. */
+  reset() {
     this.total = 0;
     this.kept = [];
     this.kind.value = "";
