@@ -66,28 +66,28 @@ export async function remove(address) {
   return response.status === 204 ? null : response.json();
 }
 
-/** What was answered to `whyNotWrite`, by key and map. */
-const barred = new Map();
+/** What each key may do, once it was asked. */
+const rights = new Map();
 
-/**
- * Why the key of this tab may not write to a map; null if it may. No request tells what a key may do, so this one uploads
- * no keyframe at all.
- */
-export function whyNotWrite(map) {
-  if (!key()) return Promise.resolve(null);
-  const question = `${key()} ${map}`;
-  if (!barred.has(question)) barred.set(question, askWhether(map));
-  return barred.get(question);
+/** Why the key of this tab may not write to a map; null if it may. */
+export async function whyNotWrite(map) {
+  if (!key()) return null;
+  if (!rights.has(key())) rights.set(key(), get(path("keys", "me")));
+  try {
+    const { actions, maps } = await rights.get(key());
+    if (!actions.includes("write")) return "it lacks the action write.";
+    return maps.some((pattern) => covers(pattern, map)) ? null : "it does not cover this map.";
+  } catch {
+    // The server refuses what is offered in vain.
+    rights.delete(key());
+    return null;
+  }
 }
 
-async function askWhether(map) {
-  const headers = { "content-type": "application/x-ndjson" };
-  try {
-    await send(path("maps", map, "keyframes"), { method: "POST", headers, body: "" });
-    return null;
-  } catch (error) {
-    return error.status === 403 ? error.message : null;
-  }
+/** `*` stands for any characters. */
+function covers(pattern, map) {
+  const parts = pattern.split("*").map((part) => part.replace(/[.]/g, "\\."));
+  return new RegExp(`^${parts.join(".*")}$`).test(map);
 }
 
 /** A whole list, part by part. `version` is the map's when the first part was read. */

@@ -16,10 +16,12 @@ function reference() {
   return el("a", { href: "docs" }, "The API reference");
 }
 
-/** No map at all. */
-export function noMaps() {
+/** No map at all, or none that the key covers: `covered` has the patterns of those that it would. */
+export function noMaps(covered = null) {
   return el("div", { class: "empty" },
-    el("h2", {}, "No maps yet"),
+    el("h2", {}, covered ? "No map that this key covers" : "No maps yet"),
+    covered && el("p", {}, "There may be others. This key covers maps named ",
+      covered.map((pattern, index) => [index > 0 && ", ", el("code", {}, pattern)]), ", where * is any text."),
     el("p", {}, "A map holds the keyframes of your robots and the signs they have seen. Make one:"),
     copyable(putting("my-map", `{"description":"Ninth floor"}`)),
     el("p", {}, "or play a recording and watch it arrive here:"),

@@ -131,7 +131,8 @@ export class Reader {
     this.on.maps(items.map(({ id }) => id));
     if (this.map === null && items.length > 0) await this.on.open(items[0].id, items[0]);
     else if (this.map === null) {
-      this.on.cover(noMaps());
+      const { covered } = await get("v1/maps?limit=1");
+      this.on.cover(noMaps(covered));
       this.connected("reached");
     }
     return items;

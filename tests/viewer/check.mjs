@@ -10,9 +10,10 @@ import { layout } from "./stories_layout.mjs";
 import { map } from "./stories_map.mjs";
 import { reaching } from "./stories_reach.mjs";
 import { following, releasing } from "./stories_releases.mjs";
+import { verdicts } from "./stories_verdicts.mjs";
 
 const [, , ...chosen] = process.argv.slice(2);
-const stories = Object.entries({ ...daily, ...comparing, ...map, ...layout, ...reaching, ...following, ...releasing, ...docs });
+const stories = Object.entries({ ...daily, ...comparing, ...map, ...layout, ...reaching, ...following, ...releasing, ...verdicts, ...docs });
 
 try {
   for (const [name, story] of stories.filter(([name]) => chosen.length === 0 || chosen.some((word) => name.includes(word)))) {

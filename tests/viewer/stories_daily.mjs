@@ -158,11 +158,20 @@ export const daily = {
 
   async "a server without a map is connected, and says how to make one"() {
     const server = await serve("none");
-    const page = await open(server.url);
+    const page = await open(server.url, { expected: /401/ });
     await page.waitForSelector("#empty >> text=No maps yet");
     assert.equal(await page.textContent("#live"), "connected");
     await server.ask("PUT", "/v1/maps/m", {});
     await page.waitForSelector("#live >> text=live");
+    // One that has maps, and none for this key.
+    await server.ask("POST", "/v1/keys", { name: "all", actions: ["read", "admin"], maps: ["*"] }).then(async ({ secret }) => {
+      const headers = { "content-type": "application/json", authorization: `Bearer ${secret}` };
+      const body = JSON.stringify({ name: "few", actions: ["read"], maps: ["hotel-*"] });
+      const few = await (await fetch(`${server.url}/v1/keys`, { method: "POST", headers, body })).json();
+      await page.evaluate((key) => sessionStorage.setItem("revisit.key", key), few.secret);
+    });
+    await page.goto(server.url);
+    await page.waitForSelector("#empty >> text=This key covers maps named hotel-*");
     await page.close();
     await server.stop();
   },

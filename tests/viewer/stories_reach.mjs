@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { labels, open, serve } from "./browser.mjs";
 import { tower } from "./world.mjs";
 
-const PANELS = ["details", "anchors", "keyframes", "loops", "events", "where", "releases"];
+const PANELS = ["details", "anchors", "keyframes", "verdicts", "loops", "events", "where", "releases"];
 const LEAST_CONTRAST = 4.5;
 
 /** How many texts the page shows, and those whose contrast with what is behind them is too low. */

@@ -63,6 +63,7 @@ export const following = {
     assert.match(lines[0], /^3,000 keyframes of robot-1 stored, the last kf-3009$/);
     assert.match(lines[1], /^Keyframe kf-0 removed$/);
     assert.match(lines[3], /^2 keyframes of robot-1 stored, the last kf-1$/);
+    assert.match(await page.textContent("#events time"), /^20\d\d-\d\d-\d\d \d\d:\d\d:\d\d UTC$/);
     // Of one kind alone, also of what comes.
     await page.selectOption("#events [aria-label='Kind of event']", "loops");
     await page.waitForSelector("#events >> text=Nothing of this kind has happened.");
