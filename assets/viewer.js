@@ -18,7 +18,7 @@ import { Releases } from "./viewer_releases.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
 import { nextInSession, nextOfAll } from "./viewer_steps.js";
 import { Sweep } from "./viewer_sweep.js";
-import { tabList } from "./viewer_tabs.js";
+import { BELOW, tabList } from "./viewer_tabs.js";
 import { showTip } from "./viewer_tip.js";
 import { Until } from "./viewer_until.js";
 import { Verdicts } from "./viewer_verdicts.js";
@@ -26,8 +26,6 @@ import { Where } from "./viewer_where.js";
 import { brief, debounced, el, fill } from "./dom.js";
 
 const PUBLISHED_WAIT_MS = 300;
-/** The panel is below the map, as the style has it. */
-const BELOW = matchMedia("(max-width: 60rem)");
 
 const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);

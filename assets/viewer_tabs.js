@@ -1,5 +1,8 @@
 // Tabs: the panels beside the map, one of which is open.
 
+/** The panels are below the map, as the style has it. */
+export const BELOW = matchMedia("(max-width: 60rem)");
+
 /** Opens panels by the tabs of a list; `opened(panel)` hears the id of the one that was opened. */
 export function tabList(tabs, opened) {
   const panelOf = (tab) => document.getElementById(tab.getAttribute("aria-controls"));
@@ -14,7 +17,10 @@ export function tabList(tabs, opened) {
     opened(panel);
   };
   tabs.forEach((tab, index) => {
-    tab.addEventListener("click", () => open(panelOf(tab).id));
+    tab.addEventListener("click", () => {
+      open(panelOf(tab).id);
+      if (BELOW.matches) tab.parentElement.parentElement.scrollIntoView();
+    });
     tab.addEventListener("keydown", ({ key }) => {
       const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
       const to = { Home: 0, End: tabs.length - 1 }[key] ?? (by && (index + by + tabs.length) % tabs.length);

@@ -51,7 +51,7 @@ export const layout = {
     await server.stop();
   },
 
-  async "a tap on a phone brings what was tapped into view, and leaves the map there"() {
+  async "on a phone a tap brings what was tapped into view beside the map, and a tab its panel"() {
     const server = await tower(await serve("tap"));
     const page = await open(`${server.url}/?map=tower`, SCREENS[0]);
     await page.waitForSelector("#live[data-state=live]");
@@ -65,6 +65,9 @@ export const layout = {
       return start >= 0 && end <= innerHeight;
     }));
     assert.deepEqual(seen, [true, true, true]);
+    // A tab brings its panel to the top.
+    await page.click("#tab-keyframes");
+    await page.waitForFunction(() => document.getElementById("tab-keyframes").getBoundingClientRect().top < 60);
     await page.close();
     await server.stop();
   },
