@@ -117,7 +117,7 @@ export class EventList {
       case "anchor_retired":
         return [a, " hangs there no longer", event.other && ["; in its place ", b], beneath];
       case "loop_found":
-        return ["Loop found: ", from, " is back at ", to, event.query && [" (", query(event.query, event.keyframe), ")"]];
+        return ["Loop found: ", from, " is back at ", to, event.query && [" ", query(event.query, event.keyframe)]];
       case "loop_confirmed": return ["Loop ", named(event), " closed: ", from, " with ", to];
       case "loop_revoked": return ["Loop ", named(event), " revoked: ", from, " with ", to];
       case "loop_suspected": return ["Loop ", named(event), " contradicts the others", beneath];

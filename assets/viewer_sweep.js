@@ -91,7 +91,7 @@ export class Sweep {
       .toSorted((a, b) => shortfall(a) - shortfall(b) || 0);
     fill(this.results, shown.length > 0 && longList(shown, "lines", ({ keyframe, candidate, query, reason }) => [
       el("div", {}, this.refs.keyframe(keyframe), candidate && [" against ", this.refs.keyframe(candidate)],
-        " (", this.refs.query(query, keyframe), ")"),
+        " ", this.refs.query(query, keyframe)),
       reason && el("div", { class: "muted small" }, why(reason))]));
   }
 }

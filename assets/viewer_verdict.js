@@ -29,7 +29,9 @@ export function explain(answer, { refs, described, curl, version, compare, confi
   const context = { refs, described, compare };
   const cards = candidates.map((candidate, index) => card(candidate, index === 0, context));
   const stale = version > answer.map_version && `The map has moved on to version ${version} since.`;
-  return el("section", { class: `verdict ${toneOf(answer.verdict)}` },
+  // A return that is closed already is no rejection.
+  const tone = answer.reason?.code === "already_closed" ? "" : toneOf(answer.verdict);
+  return el("section", { class: `verdict ${tone}` },
     el("h3", {}, headline(answer, refs)),
     el("p", {}, answer.why ? sign(answer.why) : answer.reason && why(answer.reason)),
     closedLoops(answer.closed ?? [], refs),

@@ -27,6 +27,12 @@ export const verdicts = {
     await listed(server, answers.length);
     const of = (verdict) => answers.filter((answer) => answer.verdict === verdict);
     assert.ok(of("no_loop").length > 0 && of("loop").length > 0);
+    // A return that is closed already is no rejection.
+    const found = of("loop")[0];
+    await server.ask("POST", `${MAP}/loops`, { id: "loop-1", keyframe: found.keyframe, candidate: found.best, query: found.id });
+    const again = await server.ask("POST", `${MAP}/loop-queries`, { keyframe: found.keyframe });
+    assert.equal(again.reason?.code, "already_closed");
+    await listed(server, answers.length + 1);
     for (const width of [390, 1280, 1920]) {
       const page = await open(`${server.url}/?map=tower`, { width });
       await page.waitForSelector("#live[data-state=live]");
@@ -40,7 +46,9 @@ export const verdicts = {
       assert.ok(first.includes(last.keyframe) && first.includes("no loop") && first.includes(last.why), first);
       await page.selectOption("[aria-label=Verdict]", "loop");
       await page.waitForFunction((many) => document.querySelectorAll("#verdicts li").length === many, of("loop").length);
-      await page.selectOption("[aria-label=Verdict]", { label: "every verdict" });
+      await page.selectOption("[aria-label=Verdict]", "closed already");
+      await page.waitForFunction(() => document.querySelectorAll("#verdicts li").length === 1);
+      await page.selectOption("[aria-label=Verdict]", "every verdict");
       await page.selectOption("#verdicts [aria-label=Session]", "robot-3");
       await page.waitForFunction(() => document.querySelectorAll("#verdicts li").length === 7);
       await page.selectOption("#verdicts [aria-label=Session]", "");
