@@ -46,7 +46,7 @@ const refs = {
 };
 const world = {
   map: () => state.map, scene: () => state.scene, version: () => reader.meta?.map_version ?? 0, settings: () => reader.meta?.settings ?? {},
-  plane: () => canvas.layout.plane, mark, locate, compare: (answer, candidate) => compare.open(answer, candidate),
+  vocabulary: () => reader.meta?.vocabulary, plane: () => canvas.layout.plane, mark, locate, compare: (answer, candidate) => compare.open(answer, candidate),
 };
 const canvas = new MapCanvas(at("canvas"), {
   pick: (hit) => (hit ? select(hit.kind, hit.id, false) : letGo()), hover: (hit, x, y) => showTip(at("tip"), hit, { x, y }, state.scene, canvas.size),

@@ -35,9 +35,10 @@ export function keyframesOf(text) {
   return { keyframes: [keyframe(whole, "It") ?? lacks()], more: 0 };
 }
 
-/** Wraps a keyframe as the server answers it. */
-export function stored(view) {
-  return keyframe(view, "It");
+/** Wraps a keyframe as the server answers it. Its words are the map's, which only the map says: `client` names none. */
+export function stored(view, vocabulary) {
+  const isNamed = view.bow && vocabulary && vocabulary !== "client";
+  return keyframe(isNamed ? { ...view, bow: { ...view.bow, vocabulary } } : view, "It");
 }
 
 /** The keyframe of a question: nothing in it says where it is. */

@@ -11,7 +11,7 @@ const CAN_PASTE = "input, textarea, select";
 
 /** The tab. A newer question wins over the answers to older ones. */
 export class Where {
-  /** `world` gives `map()` and `scene()`; `opened()` hears that there is something to show, `answered(answer)` what to draw. */
+  /** `world` gives `map()`, `scene()` and `vocabulary()`; `opened()` hears that there is something to show, `answered(answer)` what to draw. */
   constructor(place, world, refs, { opened, answered }) {
     Object.assign(this, { place, world, refs, opened, answered, asked: [], from: null, turn: new AbortController() });
     const ask = () => this.ask();
@@ -85,7 +85,7 @@ export class Where {
   async ofMap(id) {
     const map = this.world.map();
     const address = path("maps", map, "keyframes", id);
-    const read = this.read(`map ${map}`, async () => ({ keyframes: [stored(await get(address))], more: 0 }));
+    const read = this.read(`map ${map}`, async () => ({ keyframes: [stored(await get(address), this.world.vocabulary())], more: 0 }));
     // The button that was pressed is hidden now.
     this.place.focus();
     await read;

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { open, serve } from "./browser.mjs";
-import { tower } from "./world.mjs";
+import { drive, tower } from "./world.mjs";
 
 const MANY = 10_000;
 
@@ -152,6 +152,20 @@ export const daily = {
     await page.waitForSelector(".candidates");
     assert.ok(answers.includes(429), `${answers}`);
     assert.equal(await page.locator(".fault:visible").count(), 0);
+    await page.close();
+    await server.stop();
+  },
+
+  async "where a keyframe of the map stands is asked in the words of the map's vocabulary"() {
+    const server = await serve("where");
+    await server.ask("PUT", "/v1/maps/m", {});
+    const worded = ({ id, body }) => ({ id, body: { ...body, bow: { ...body.bow, vocabulary: "orb-1" } } });
+    for (const robot of ["robot-1", "robot-2"]) await server.send("m", drive(robot, { reads: () => null }).map(worded));
+    const page = await open(`${server.url}/?map=m&keyframe=robot-2-1`);
+    await page.click("text=Where am I?");
+    await page.waitForSelector("#where .verdict");
+    assert.match(await page.locator("#where .candidate").first().textContent(), /1\. robot-1-1/);
+    assert.doesNotMatch(await page.textContent("#where"), /another vocabulary/);
     await page.close();
     await server.stop();
   },
