@@ -13,18 +13,25 @@ use super::output::write_out;
 use super::replay::OwnServer;
 use super::serve::LOCAL;
 use super::signals::stop_on_signal;
+use crate::api::loops::LoopBody;
+use crate::api::release::ReleaseBody;
 use crate::client::Client;
 use crate::config::listen;
 use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
+use crate::hotel::rng::SeededRng;
+use crate::hotel::robot::client::Robot;
+use crate::hotel::route::tour;
 use crate::hotel::run::{self, AnsweredQuery, RunResult, absolute_pose_error_m, drive};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::explain::{Narrator, keyframe_id};
 use crate::hotel::scoring::paper::SEQUENCES;
 use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
 use crate::hotel::scoring::tables;
+use crate::hotel::sensing::noise::NoiseKind;
+use crate::hotel::sequence::Sequence;
 
 /// The sequence of the paper's Figure 6.
 const SEQUENCE: &str = "SE2 00";
@@ -39,6 +46,12 @@ const OTHERS: [(Method, &str); 2] = [
 const REJECTIONS_EVERY: usize = 25;
 /// Consecutive loops per printed line.
 const LOOPS_EVERY: usize = 6;
+/// Keyframes of the second robot, its drift in metres, and its loops that are confirmed.
+const SECOND_KEYFRAMES: usize = 120;
+const SECOND_DRIFT_M: f64 = 0.3;
+const SECOND_CONFIRMED: usize = 4;
+/// The release of the map.
+const RELEASE: &str = "monday";
 /// Time without a line after which progress is printed.
 const SILENCE_MAX: Duration = Duration::from_secs(3);
 /// The instructions for the user's own data; `tests/it/readme.rs` runs its curls.
@@ -69,8 +82,12 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     write_out("Recording what the robot's camera sees on its way through the hotel ...\n\n")?;
     let client = Client::new(server.url())?;
     let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
-    let scenario =
-        tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
+    let (scenario, second) = tokio::task::spawn_blocking(move || {
+        let scenario = Scenario::of_paper(&printed, &Patterns::new());
+        let second = second_tour(&scenario);
+        (scenario, second)
+    })
+    .await?;
     let narrator = Narrator { scenario: &scenario };
     let rooms: Vec<&str> =
         scenario.tours[0].iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
@@ -83,6 +100,8 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     ))?;
     let mut teller = Teller::new(narrator, scenario.course.order.len());
     let ours = drive(&client, MAP, Method::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
+    let met = second_robot(&client, &second).await?;
+    write_out(&met)?;
     let mut drives = vec![ours];
     for (arm, method) in OTHERS {
         write_out(&format!("\nThe same tour again, with {method} ...\n"))?;
@@ -118,6 +137,48 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     })?;
     stop_on_signal()?.cancelled().await;
     Ok(())
+}
+
+/// Records the tour of a second robot, along the first one's way.
+fn second_tour(scenario: &Scenario) -> Sequence {
+    let rooms = &scenario.tours[0];
+    let mut rng = SeededRng::new(2, "second robot");
+    let mut stops = tour(&scenario.world.plan, &rooms[..rooms.len().min(2)], &mut rng);
+    stops.truncate(SECOND_KEYFRAMES);
+    Sequence::record(&scenario.world, &stops, NoiseKind::None.noise(), SECOND_DRIFT_M, 2)
+}
+
+/// Drives a second robot, which knows nothing of the first one, and confirms some of its loops with it: the two share a frame from
+/// then on. Publishes the map. Returns what happened.
+async fn second_robot(client: &Client, tour: &Sequence) -> Result<String, Failure> {
+    let mut robot = Robot::new(client, MAP, Method::Ours, run::session(1));
+    let (mut loops, mut confirmed) = (0, 0);
+    for step in &tour.steps {
+        let answer = robot.ask(step).await?;
+        let (Some(keyframe), Some(place)) = (&answer.keyframe, answer.best_transform()) else { continue };
+        if !place.0.starts_with(&format!("{}-", run::session(0))) {
+            continue;
+        }
+        if loops % LOOPS_EVERY == 0 && confirmed < SECOND_CONFIRMED {
+            let body = LoopBody {
+                id: format!("met-{confirmed}"),
+                keyframe: keyframe.clone(),
+                candidate: place.0.to_owned(),
+                query: Some(answer.id.clone()),
+                candidate_from_query: None,
+            };
+            client.post_loop(MAP, &body).await?;
+            confirmed += 1;
+        }
+        loops += 1;
+    }
+    robot.finish().await?;
+    client.publish_release(MAP, RELEASE, &ReleaseBody::default()).await?;
+    Ok(format!(
+        "\nA second robot wakes in one of the rooms and drives {} keyframes: {loops} are loops with the first one's, {confirmed} of them \
+         confirmed. The map is published as the release `{RELEASE}`.\n",
+        tour.steps.len()
+    ))
 }
 
 /// Starts the server of the demo.
@@ -203,7 +264,7 @@ impl<'a> Teller<'a> {
         };
         if is_told {
             // As in `Progress`.
-            let _ = write_out(&format!("{}\n", self.narrator.answer(asked)));
+            let _ = write_out(&format!("{}\n", self.narrator.said(asked)));
         }
         self.progress.count(asked, is_told);
     }

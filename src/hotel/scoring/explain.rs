@@ -26,6 +26,20 @@ impl Narrator<'_> {
         }
     }
 
+    /// Returns the answer in the server's own sentence.
+    pub fn said(&self, asked: &AnsweredQuery) -> String {
+        let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
+        let answer = &asked.answer;
+        let place =
+            answer.place().or_else(|| answer.leading()).map_or("nothing", |place| place.keyframe.as_str());
+        let verdict = match answer.verdict.0 {
+            Decision::Loop => format!("a loop with {place}"),
+            Decision::NoLoop => format!("looks like {place}, and is no loop"),
+            Decision::Undecided => format!("looks like {place}; not decided"),
+        };
+        format!("{keyframe}: {verdict}. {}", answer.why)
+    }
+
     /// Returns the answer with the figures that decided.
     pub fn answer(&self, asked: &AnsweredQuery) -> String {
         let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
