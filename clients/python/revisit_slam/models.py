@@ -100,6 +100,10 @@ class EventKind(OpenEnum):
     """A sign hangs there no longer."""
     LOOP_FOUND = "loop_found"
     """A keyframe that arrived is a loop."""
+    LOOP_REJECTED = "loop_rejected"
+    """A keyframe that arrived looks like a place, and evidence speaks against it. The first of a row of
+    such keyframes of a session is told; `GET .../loop-queries` lists each.
+    """
     LOOP_CONFIRMED = "loop_confirmed"
     """A client closed a loop."""
     LOOP_REVOKED = "loop_revoked"
@@ -309,7 +313,9 @@ class ReasonCode(OpenEnum):
     keyframe is one (rejects).
     """
     EMPTY_BOW = "empty_bow"
-    """The query has no words (a blank wall?), and no anchor proposes a candidate (undecided)."""
+    """No word of the query could be compared (a blank wall, or words of another vocabulary), and no anchor
+    proposes a candidate (undecided).
+    """
     BOW_BELOW_REFERENCE = "bow_below_reference"
     """The words score `measured`, below `limit`, the share of the reference score that this map asks for
     (rejects).
@@ -955,6 +961,8 @@ class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The kind of event."""
     map_version: int
     """The map's version in which it happened."""
+    time: Time | None = None
+    """When it happened, by the server's clock."""
     anchor: str | None = None
     """The anchor it is about; of two that merged, the one whose name both go by."""
     other: str | None = None
@@ -1115,7 +1123,9 @@ class Health(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The state of the server."""
 
     status: str
-    """`alive` or `ready`; a server that is not ready answers a problem."""
+    """`alive`, `ready` or `degraded`; a server that is not ready answers a problem."""
+    detail: str | None = None
+    """One sentence for a person, if it is degraded: why."""
 
 
 class Judgement(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1215,6 +1225,10 @@ class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Calls of models a day."""
     model_daily_usd: float | None = None
     """Maximum cost of these calls, in US dollars."""
+    last_used: Time | None = None
+    """When the server that answers was last asked with it; left out if it was not since that server
+    started.
+    """
     secret: str | None = None
     """The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and
     kept nowhere.
@@ -1367,6 +1381,31 @@ class LevelAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Whether the answer came from a cache of model answers."""
     degraded: bool
     """Whether the built-in judge stood in because a model was away."""
+
+
+class ListedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A verdict in a line, as the list shows it."""
+
+    query: str
+    """The query's id."""
+    time: Time
+    """When it was asked last, by the server's clock."""
+    keyframe: str | None
+    """The keyframe that was asked about; null where it came with the query."""
+    session: str | None
+    """The session of that keyframe, while the map has it."""
+    candidate: str | None
+    """The keyframe it came back to, or else the likeliest one."""
+    map_version: int
+    """The map's version that answered."""
+    verdict: Verdict
+    """The answer."""
+    why: str
+    """One sentence for a person: why."""
+    is_whole: bool
+    """Whether `GET .../loop-queries/{query}` still returns the whole answer."""
+    reason: ReasonCode | None = None
+    """The check that decided, of the answer or else of the likeliest candidate; left out for a loop."""
 
 
 class LocalAnchor(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1675,6 +1714,8 @@ class MapList(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The items of this part."""
     next_cursor: str | None
     """The cursor of the next part; null after the last one."""
+    covered: list[str] | None = None
+    """The maps that the key covers, as patterns; left out where it covers every map."""
 
 
 class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2682,6 +2723,15 @@ class Vector3(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Along y, in metres."""
     z: float
     """Along z, in metres."""
+
+
+class VerdictList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Verdicts, the newest first."""
+
+    items: list[ListedVerdict]
+    """The items of this part."""
+    next_cursor: str | None
+    """The cursor of the next part; null after the last one."""
 
 
 class Version(msgspec.Struct, kw_only=True, omit_defaults=True):

@@ -30,7 +30,8 @@ class Operations:
 
     def readyz(self) -> models.Health:
         """Check readiness for requests. Returns 200 once the database is open, 503 after shutdown begins.
-        Maps are loaded on first use.
+        Maps are loaded on first use. A server whose disk refuses writes still answers questions: it
+        returns 200 with `degraded`, and why.
         """
         return self._call(Call("GET", "/readyz", answer=models.Health))
 
@@ -48,6 +49,10 @@ class Operations:
         """
         return self._call(Call("POST", "/v1/backups", body=body, answer=models.Backup))
 
+    def delete_backup(self, id: str) -> None:
+        """Delete a backup. Its two files are removed from the folder given by `revisit serve --backups`."""
+        return self._call(Call("DELETE", f"/v1/backups/{segment(id)}"))
+
     def list_keys(self, *, limit: int | None = None, cursor: str | None = None) -> models.KeyList:
         """List keys. In order of creation, including revoked ones. Secrets are not stored."""
         return self._call(Call("GET", "/v1/keys", query={"limit": limit, "cursor": cursor}, answer=models.KeyList))
@@ -59,6 +64,12 @@ class Operations:
         create` creates keys directly in the database, to regain access.
         """
         return self._call(Call("POST", "/v1/keys", body=body, answer=models.KeyView))
+
+    def get_own_key(self) -> models.KeyView:
+        """Read the key that asks. What it may do, and with which maps. A server that requires no key
+        answers 404.
+        """
+        return self._call(Call("GET", "/v1/keys/me", answer=models.KeyView))
 
     def revoke_key(self, id: str, *, last_admin: bool | None = None) -> None:
         """Revoke a key. The key is rejected from now on and stays in the list. Revoking it again changes
@@ -228,6 +239,14 @@ class Operations:
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}/local-anchor-map", answer=models.LocalAnchorMap))
 
+    def list_loop_queries(self, map: str, *, verdict: str | None = None, reason: str | None = None, session: str | None = None, since: int | None = None, until: int | None = None, release: str | None = None, limit: int | None = None, cursor: str | None = None) -> models.VerdictList:
+        """List verdicts. The newest first, paged: a line for each loop query about a keyframe, the last
+        100,000 of a map. Written behind: a crash may lose the last few. A question that is asked again,
+        at the same version, has one line, with the time of the last. An erasure removes all lines of
+        the map, for any of them may name what was erased.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/loop-queries", query={"verdict": verdict, "reason": reason, "session": session, "since": since, "until": until, "release": release, "limit": limit, "cursor": cursor}, answer=models.VerdictList))
+
     def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any], *, detail: str | None = None) -> models.LoopAnswer:
         """Query whether a keyframe is a loop. The keyframe is a stored one, or one in the body. The query
         changes nothing and calls no model. The same map version, keyframe, settings and seed give the
@@ -387,7 +406,8 @@ class AsyncOperations:
 
     async def readyz(self) -> models.Health:
         """Check readiness for requests. Returns 200 once the database is open, 503 after shutdown begins.
-        Maps are loaded on first use.
+        Maps are loaded on first use. A server whose disk refuses writes still answers questions: it
+        returns 200 with `degraded`, and why.
         """
         return await self._call(Call("GET", "/readyz", answer=models.Health))
 
@@ -405,6 +425,10 @@ class AsyncOperations:
         """
         return await self._call(Call("POST", "/v1/backups", body=body, answer=models.Backup))
 
+    async def delete_backup(self, id: str) -> None:
+        """Delete a backup. Its two files are removed from the folder given by `revisit serve --backups`."""
+        return await self._call(Call("DELETE", f"/v1/backups/{segment(id)}"))
+
     async def list_keys(self, *, limit: int | None = None, cursor: str | None = None) -> models.KeyList:
         """List keys. In order of creation, including revoked ones. Secrets are not stored."""
         return await self._call(Call("GET", "/v1/keys", query={"limit": limit, "cursor": cursor}, answer=models.KeyList))
@@ -416,6 +440,12 @@ class AsyncOperations:
         create` creates keys directly in the database, to regain access.
         """
         return await self._call(Call("POST", "/v1/keys", body=body, answer=models.KeyView))
+
+    async def get_own_key(self) -> models.KeyView:
+        """Read the key that asks. What it may do, and with which maps. A server that requires no key
+        answers 404.
+        """
+        return await self._call(Call("GET", "/v1/keys/me", answer=models.KeyView))
 
     async def revoke_key(self, id: str, *, last_admin: bool | None = None) -> None:
         """Revoke a key. The key is rejected from now on and stays in the list. Revoking it again changes
@@ -584,6 +614,14 @@ class AsyncOperations:
         keyframes, as bearings and distances from its camera.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}/local-anchor-map", answer=models.LocalAnchorMap))
+
+    async def list_loop_queries(self, map: str, *, verdict: str | None = None, reason: str | None = None, session: str | None = None, since: int | None = None, until: int | None = None, release: str | None = None, limit: int | None = None, cursor: str | None = None) -> models.VerdictList:
+        """List verdicts. The newest first, paged: a line for each loop query about a keyframe, the last
+        100,000 of a map. Written behind: a crash may lose the last few. A question that is asked again,
+        at the same version, has one line, with the time of the last. An erasure removes all lines of
+        the map, for any of them may name what was erased.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/loop-queries", query={"verdict": verdict, "reason": reason, "session": session, "since": since, "until": until, "release": release, "limit": limit, "cursor": cursor}, answer=models.VerdictList))
 
     async def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any], *, detail: str | None = None) -> models.LoopAnswer:
         """Query whether a keyframe is a loop. The keyframe is a stored one, or one in the body. The query
