@@ -192,6 +192,8 @@ create table events (
     detail text collate "C",
     session text collate "C",
     into_session text collate "C",
+    -- Microseconds since 1970, by the server's clock.
+    told_us bigint not null,
     constraint events_key primary key (map_key, seq),
     constraint events_map foreign key (map_key) references maps (map_key) on delete cascade
 );
@@ -200,7 +202,17 @@ create table loop_queries (
     map_key bigint not null,
     id text collate "C" not null,
     kept bigint not null,
-    body bytea not null,
+    -- Microseconds since 1970, by the server's clock.
+    asked_us bigint not null,
+    -- What a list shows of the answer. The keyframe is null where it came with the query.
+    keyframe text collate "C",
+    candidate text collate "C",
+    map_version bigint not null,
+    verdict text collate "C" not null,
+    reason text collate "C",
+    why text collate "C" not null,
+    -- The answer, as sent; null once it is too old. Last, so that a list reads no page of it.
+    body bytea,
     constraint loop_queries_key primary key (map_key, id),
     constraint loop_queries_map foreign key (map_key) references maps (map_key) on delete cascade
 );

@@ -218,6 +218,8 @@ create table events (
     detail text,
     session text,
     into_session text,
+    -- Microseconds since 1970, by the server's clock.
+    told_us integer not null,
     constraint events_key primary key (map_key, seq),
     constraint events_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict, without rowid;
@@ -226,7 +228,17 @@ create table loop_queries (
     map_key integer not null,
     id text not null,
     kept integer not null,
-    body blob not null,
+    -- Microseconds since 1970, by the server's clock.
+    asked_us integer not null,
+    -- What a list shows of the answer. The keyframe is null where it came with the query.
+    keyframe text,
+    candidate text,
+    map_version integer not null,
+    verdict text not null,
+    reason text,
+    why text not null,
+    -- The answer, as sent; null once it is too old. Last, so that a list reads no page of it.
+    body blob,
     constraint loop_queries_key primary key (map_key, id),
     constraint loop_queries_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict;

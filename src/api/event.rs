@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::names::EventName;
+use super::space::Time;
 use crate::domain::event::Event;
 use crate::domain::ids::AnchorSeq;
 
@@ -17,6 +18,9 @@ pub struct EventView {
     pub event: EventName,
     /// The map's version in which it happened.
     pub map_version: u64,
+    /// When it happened, by the server's clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<Time>,
     /// The anchor it is about; of two that merged, the one whose name both go by.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub anchor: Option<String>,
@@ -52,6 +56,7 @@ impl From<Event> for EventView {
             seq: event.seq,
             event: event.kind.into(),
             map_version: event.map_version,
+            time: event.told.map(Time::from),
             anchor: event.anchor.map(AnchorSeq::public),
             other: event.other.map(AnchorSeq::public),
             keyframe: event.keyframe.map(|id| id.to_string()),

@@ -81,6 +81,9 @@ pub struct KeyView {
     /// Maximum cost of these calls, in US dollars.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_daily_usd: Option<f64>,
+    /// When the server that answers was last asked with it; left out if it was not since that server started.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_used: Option<Time>,
     /// The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and kept nowhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
@@ -146,6 +149,7 @@ impl From<Key> for KeyView {
             rate_per_s: properties.rate_per_s,
             model_daily_calls: properties.model_daily_calls,
             model_daily_usd: properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6),
+            last_used: None,
             secret: None,
             notice: None,
         }
@@ -172,7 +176,8 @@ fn administrator() -> Value {
     key
 }
 
-fn robots() -> Value {
+/// Returns a key of robots, for the API document.
+pub fn example_robots() -> Value {
     json!({
         "id": "key-2",
         "name": "cleaning robots, tower",
@@ -195,5 +200,5 @@ pub fn example_made() -> Value {
 
 /// Keys, for the API document.
 pub fn example_list() -> Value {
-    json!({"items": [administrator(), robots()], "next_cursor": null})
+    json!({"items": [administrator(), example_robots()], "next_cursor": null})
 }

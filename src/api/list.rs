@@ -7,6 +7,7 @@ use super::anchor::AnchorView;
 use super::backup::BackupView;
 use super::key::KeyView;
 use super::keyframe::{CovisibleView, KeyframeLine};
+use super::listed_verdict::ListedVerdictView;
 use super::loops::LoopView;
 use super::map::MapView;
 use super::release::ReleaseView;
@@ -81,9 +82,30 @@ macro_rules! plain_list {
 }
 
 plain_list!(
-    /// Maps, by id.
-    MapList of MapView
+    /// Verdicts, the newest first.
+    VerdictList of ListedVerdictView
 );
+/// Maps, by id.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MapList {
+    /// The items of this part.
+    pub items: Vec<MapView>,
+    /// The cursor of the next part; null after the last one.
+    #[schema(required)]
+    pub next_cursor: Option<String>,
+    /// The maps that the key covers, as patterns; left out where it covers every map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covered: Option<Vec<String>>,
+}
+
+impl MapList {
+    /// One part of the list, as a key sees it that covers these maps.
+    pub fn of<T: Into<MapView>>(page: Page<T>, covered: Option<Vec<String>>) -> Self {
+        let items = page.items.into_iter().map(Into::into).collect();
+        Self { items, next_cursor: page.next_cursor, covered }
+    }
+}
+
 plain_list!(
     /// Releases of a map, by name.
     ReleaseList of ReleaseView

@@ -34,6 +34,7 @@ pub mod key;
 pub mod keyframe;
 pub mod limits;
 pub mod list;
+pub mod listed_verdict;
 pub mod location;
 pub mod loop_query;
 pub mod loops;

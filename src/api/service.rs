@@ -6,14 +6,22 @@ use utoipa::ToSchema;
 /// The state of the server.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Health {
-    /// `alive` or `ready`; a server that is not ready answers a problem.
+    /// `alive`, `ready` or `degraded`; a server that is not ready answers a problem.
     pub status: String,
+    /// One sentence for a person, if it is degraded: why.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<String>,
 }
 
 impl Health {
     /// The server is in this state.
     pub fn of(status: &str) -> Self {
-        Self { status: status.to_owned() }
+        Self { status: status.to_owned(), detail: None }
+    }
+
+    /// The server is ready for a part of all requests.
+    pub fn degraded(detail: &str) -> Self {
+        Self { status: "degraded".to_owned(), detail: Some(detail.to_owned()) }
     }
 }
 

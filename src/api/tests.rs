@@ -13,7 +13,7 @@ use super::decoding::read::{self, Decode};
 use super::erasure::{ErasureBody, ErasureView};
 use super::frames::FramesView;
 use super::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
-use super::list::{AnchorList, CovisibleList, KeyframeList, LoopList, MapList};
+use super::list::{AnchorList, CovisibleList, KeyframeList, LoopList, MapList, VerdictList};
 use super::loop_query::LoopQueryBody;
 use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
@@ -87,6 +87,7 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<LoopClosed>(&examples::loop_closed());
     is_shape::<LoopRevoked>(&examples::loop_revoked());
     is_shape::<LoopList>(&examples::loops());
+    is_shape::<VerdictList>(&examples::verdicts());
     is_shape::<event::EventView>(&examples::event());
     is_shape::<semantics::LevelAnswer>(&examples::similarity());
     is_shape::<semantics::LevelAnswer>(&examples::information());

@@ -72,6 +72,13 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
         return Err(keep_damaged(copy, &args)?.into());
     }
     let copied = copy.place(&args.file, args.force)?;
+    // A running server tells its age. Where the folder is read-only, the backup is none the worse.
+    if let Err(error) = std::fs::write(database.backup_mark(), "") {
+        eprintln!(
+            "the server's metrics will not know of this backup: {}: {error}",
+            database.backup_mark().display()
+        );
+    }
     let (file, holds, verified) = (args.file.display(), report(&copied), verified(&copied));
     Ok(write_out(&format!(
         "{file}: {holds}; {} bytes, {verified}, sha256 {}\n",

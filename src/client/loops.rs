@@ -6,7 +6,7 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::api::list::LoopList;
+use crate::api::list::{LoopList, VerdictList};
 use crate::api::location::{LocateAnswerView, LocateBody};
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
@@ -41,6 +41,18 @@ impl Client {
     /// Reads an earlier answer.
     pub async fn loop_answer(&self, map: &str, query: &str) -> Result<LoopAnswer, ClientError> {
         self.read(&["v1", "maps", map, "loop-queries", query], &[]).await
+    }
+
+    /// Lists verdicts, the newest first: those that agree with the parameters of `GET .../loop-queries`.
+    pub async fn list_loop_queries(
+        &self,
+        map: &str,
+        filter: &[(&str, &str)],
+        page: &Page,
+    ) -> Result<VerdictList, ClientError> {
+        let page = page.parameters();
+        let parameters: Vec<_> = filter.iter().copied().chain(borrowed(&page)).collect();
+        self.read(&["v1", "maps", map, "loop-queries"], &parameters).await
     }
 
     /// Lists the confirmed loops, oldest first.

@@ -27,7 +27,7 @@ use super::verdict_counts::VerdictCounters;
 use crate::config::quotas::Quotas;
 use crate::domain::ids::MapId;
 use crate::llm::Models;
-use crate::store::{MapKey, Store};
+use crate::store::{Disk, MapKey, Store};
 
 /// The engine behind the API. Clones share everything, and every request makes some.
 #[derive(Clone, Debug)]
@@ -93,6 +93,11 @@ impl Service {
     /// Fails if the service is closed. It asks memory only, so that it answers under any load.
     pub fn ready(&self) -> Result<(), ServiceError> {
         if self.store.is_closed() { Err(ServiceError::closed()) } else { Ok(()) }
+    }
+
+    /// Returns the state of the disk, as far as writes told.
+    pub fn disk(&self) -> Disk {
+        self.store.committer().disk()
     }
 
     /// Returns the limit on requests in flight.

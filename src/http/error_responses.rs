@@ -57,6 +57,8 @@ refusals! {
     OfRevocation = [BAD_REQUEST, NOT_FOUND, CONFLICT, INVALID, UNAVAILABLE];
     /// Of operations that delete a given version.
     OfVersionedDelete = [BAD_REQUEST, NOT_FOUND, PRECONDITION_FAILED, INVALID, UNAVAILABLE];
+    /// Of the question about the asking key.
+    OfKey = [NOT_FOUND, UNAVAILABLE];
     /// Of the readiness check.
     OfReadiness = [UNAVAILABLE];
     /// Of operations without errors of their own.

@@ -50,6 +50,7 @@ mod transfer;
 
 pub use address::{is_server_url, without_password};
 pub use commit::commit_queue::{CommitStats, Committer};
+pub use commit::health::Disk;
 pub use commit::job::{Batch, CopiedAs, ErasureStep, Job, MapKey, NewKeyRow, NewKeyframeRows, Spent};
 pub use commit::queue::PoisonFlag;
 pub use commit::row_block::RowBlock;
@@ -76,6 +77,7 @@ pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::release_rows::RELEASE_USES_MAX;
 pub use rows::transferred_rows::HeldMap;
 pub use rows::unpacks::unpacks;
+pub use rows::verdict_rows::line_of;
 pub use rows::words_of_map::MapOutline;
 pub use sql::cell::Cell;
 pub use sql::connection::Engine;

@@ -10,7 +10,7 @@ use super::commit::write;
 use super::facts::Order;
 use super::rows::load::load;
 use super::slices::{deferred, deletion, fold};
-use super::test_database::database;
+use super::test_database::{a_line, database};
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, PointsOfKeyframe, Renamed};
@@ -228,6 +228,7 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
             seq,
             kind: EventKind::AnchorsMerged,
             map_version: number,
+            told: None,
             anchor: Some(AnchorSeq(seq as u32)),
             other: None,
             keyframe: Some("kf-1".parse().unwrap()),
@@ -242,6 +243,7 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
             map,
             id: format!("q-{}", kept % 40),
             kept,
+            line: a_line(),
             body: vec![kept as u8; 3].into(),
         };
         match step {
@@ -267,7 +269,7 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
 async fn dump(db: &mut Connection) -> Vec<String> {
     let select = r#"select 'select ' || group_concat('quote(' || c.name || ')', ' || " " || ') || ' from ' || m.name
         from sqlite_schema m join pragma_table_info(m.name) c
-        where m.type = 'table' and c.name <> 'stored_sec' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
+        where m.type = 'table' and c.name not in ('stored_sec', 'asked_us', 'told_us') and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
         group by m.name order by m.name"#;
     let selects: Vec<String> = sql::query_scalar(select).fetch_all(&mut *db).await.unwrap();
     let mut rows = Vec::new();

@@ -8,6 +8,8 @@ use sqlx::{Connection as _, PgConnection};
 
 use super::files::schema;
 use super::sql::Pool;
+use crate::domain::verdict::Decision;
+use crate::domain::verdict_line::VerdictLine;
 
 /// Returns an empty database with this version's schema, and the folder that it lies in.
 pub(super) async fn database() -> (tempfile::TempDir, Pool) {
@@ -19,6 +21,19 @@ pub(super) async fn database() -> (tempfile::TempDir, Pool) {
     let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
     schema::migrate(&pool).await.expect("a schema");
     (folder, pool.into())
+}
+
+/// Returns a line of a verdict.
+pub(super) fn a_line() -> VerdictLine {
+    let (keyframe, candidate, reason) = (None, None, None);
+    VerdictLine {
+        keyframe,
+        candidate,
+        map_version: 1,
+        decision: Decision::NoLoop,
+        reason,
+        why: String::new(),
+    }
 }
 
 /// Returns the address of the database that belongs to a folder: a file in it or, where `REVISIT_TEST_ENGINE` is `postgres`, a database

@@ -52,5 +52,6 @@ mod try_it;
 mod two_laps;
 mod untaken;
 #[cfg(feature = "hotel")]
+mod verdict_list;
 mod verdicts;
 mod vocabulary;

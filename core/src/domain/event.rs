@@ -1,6 +1,7 @@
 //! Events: changes of a map that listeners are notified of.
 
 use super::ids::{AnchorSeq, KeyframeId, LoopId, SessionId};
+use super::keyframe::Stamp;
 use crate::named::named;
 
 named! {
@@ -22,6 +23,9 @@ named! {
         AnchorRetired = "anchor_retired",
         /// A keyframe that arrived is a loop.
         LoopFound = "loop_found",
+        /// A keyframe that arrived looks like a place, and evidence speaks against it. The first of a row of such keyframes of a
+        /// session is told; `GET .../loop-queries` lists each.
+        LoopRejected = "loop_rejected",
         /// A client closed a loop.
         LoopConfirmed = "loop_confirmed",
         /// A client took a loop back.
@@ -47,6 +51,8 @@ pub struct Event {
     pub kind: EventKind,
     /// The map's version in which it happened.
     pub map_version: u64,
+    /// When it was written, by the server's clock; none before that.
+    pub told: Option<Stamp>,
     /// The anchor it is about; of two that merged, the one whose name both go by.
     pub anchor: Option<AnchorSeq>,
     /// The other anchor.
@@ -74,6 +80,7 @@ impl Event {
             seq: 0,
             kind,
             map_version: 0,
+            told: None,
             anchor: None,
             other: None,
             keyframe: None,

@@ -15,6 +15,7 @@
 //! | jobs that ask a changed model again | [`judgement`] |
 //! | the ways in which candidates are found | [`channel`] |
 //! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
+//! | the line that a list shows of a verdict | [`verdict_line`] |
 //! | the answer to "where am I?" | [`location`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
@@ -64,3 +65,4 @@ pub mod settings;
 pub mod trajectory;
 pub mod varint;
 pub mod verdict;
+pub mod verdict_line;

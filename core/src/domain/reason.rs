@@ -75,7 +75,7 @@ named! {
         TooRecent = "too_recent", row("all too recent", Rejects, Query);
         /// The loop was confirmed before, or one of the same return was that joined all that matches; no other keyframe is one.
         AlreadyClosed = "already_closed", row("loop closed already", Rejects, Query);
-        /// The query has no words (a blank wall?), and no anchor proposes a candidate.
+        /// No word of the query could be compared (a blank wall, or words of another vocabulary), and no anchor proposes a candidate.
         EmptyBow = "empty_bow", row("no words", Undecided, Query);
         /// The words score {measured}, below {limit}, the share of the reference score that this map asks for.
         BowBelowReference = "bow_below_reference", row("looks differ", Rejects, Words);

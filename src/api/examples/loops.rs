@@ -100,10 +100,20 @@ pub fn loops() -> Value {
     json!({"map_version": 413, "items": [item], "next_cursor": null})
 }
 
+/// Verdicts in a line each.
+pub fn verdicts() -> Value {
+    let item = json!({
+        "query": "q-2f6f6d0a4c1b", "time": {"sec": 1_782_907_200, "nanosec": 0}, "keyframe": "kf-120", "session": "robot-1",
+        "candidate": "kf-3", "map_version": 412, "verdict": "no_loop", "reason": "contradiction",
+        "why": "It reads 910 where 901 hung.", "is_whole": true
+    });
+    json!({"items": [item], "next_cursor": null})
+}
+
 /// Returns the data of one event.
 pub fn event() -> Value {
-    json!({"seq": 31, "event": "loop_found", "map_version": 412, "keyframe": "kf-120", "candidate": "kf-3",
-        "query": "q-2f6f6d0a4c1b"})
+    json!({"seq": 31, "event": "loop_found", "map_version": 412, "time": {"sec": 1_782_907_200, "nanosec": 0},
+        "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b"})
 }
 
 /// Events as the stream carries them.

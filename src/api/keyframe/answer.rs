@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::global_descriptor::GlobalDescriptorShape;
 use super::number_shape::Direction;
+use super::original::is_named;
 use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
 use crate::api::decoding::base64;
 use crate::api::names::{AnchorStateName, IgnoredReasonName};
@@ -203,7 +204,10 @@ impl KeyframeView {
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(CameraShape::from),
             gravity: keyframe.gravity.map(|gravity| gravity.as_given()),
-            bow: (&keyframe.bow).into(),
+            bow: BowShape {
+                vocabulary: keyframe.vocabulary.map(Into::into).filter(is_named),
+                ..(&keyframe.bow).into()
+            },
             global_descriptor: keyframe.global_descriptor.map(Into::into),
             features: keyframe.features.map(FeaturesShape::from),
             map_points: PointsShape { ids, positions },

@@ -44,7 +44,7 @@ impl From<NewKeyframe> for KeyframeBody {
 }
 
 /// Whether a vocabulary has a name; words that came without one go without one.
-fn is_named(vocabulary: &String) -> bool {
+pub(super) fn is_named(vocabulary: &String) -> bool {
     vocabulary != CLIENTS_VOCABULARY
 }
 

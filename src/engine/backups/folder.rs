@@ -205,13 +205,29 @@ impl BackupFolder {
     ) -> Result<Vec<BackupId>, ServiceError> {
         let mut removed = Vec::new();
         for report in newest_first.into_iter().skip(self.kept) {
-            for file in [self.database(&report.id), self.note(&report.id)] {
-                fs::remove_file(&file).map_err(|error| StoreError::file(&file, &error))?;
-            }
+            self.remove(&report.id)?;
             removed.push(report.id);
         }
         sync_folder(&self.folder)?;
         Ok(removed)
+    }
+
+    /// Deletes a backup; false if there is none of this name.
+    pub fn delete(&self, id: &BackupId) -> Result<bool, ServiceError> {
+        if self.find(id).is_none() {
+            return Ok(false);
+        }
+        self.remove(id)?;
+        sync_folder(&self.folder)?;
+        self.remember_newest(&self.list()?);
+        Ok(true)
+    }
+
+    fn remove(&self, id: &BackupId) -> Result<(), StoreError> {
+        for file in [self.database(id), self.note(id)] {
+            fs::remove_file(&file).map_err(|error| StoreError::file(&file, &error))?;
+        }
+        Ok(())
     }
 
     /// Removes copies that a crash has left unfinished.

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicI64, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 use governor::clock::{Clock as _, DefaultClock};
@@ -14,6 +14,15 @@ use crate::store::Elsewhere;
 /// Parts of a request, as rates are counted: a server that shares a rate with others counts a request for a little more than one.
 const PARTS: u32 = 16;
 
+/// How a key was used since a server started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KeyUse {
+    /// Requests.
+    pub requests: u64,
+    /// When the last one came, in seconds since 1970; 0 without any.
+    pub last_s: i64,
+}
+
 /// A key as the server holds it.
 #[derive(Debug)]
 pub struct HeldKey {
@@ -22,6 +31,10 @@ pub struct HeldKey {
     rate: Option<DefaultDirectRateLimiter>,
     /// Requests that were admitted since the other servers were last told.
     admitted: AtomicU32,
+    /// Requests since this server started, refused ones too.
+    requests: AtomicU64,
+    /// When the last one came, in seconds since 1970.
+    used_s: AtomicI64,
     /// Parts of the rate that each request counts for: more while the key asks other servers, too.
     counts_for: AtomicU32,
 }
@@ -33,7 +46,27 @@ impl HeldKey {
             rate: parts.and_then(NonZeroU32::new).map(|parts| RateLimiter::direct(Quota::per_second(parts))),
             key,
             admitted: AtomicU32::new(0),
+            requests: AtomicU64::new(0),
+            used_s: AtomicI64::new(0),
             counts_for: AtomicU32::new(PARTS),
+        }
+    }
+
+    /// Holds a key that was changed, with its uses so far.
+    pub(in crate::engine) fn after(known: Option<&Self>, key: Key) -> Self {
+        let held = Self::new(key);
+        if let Some(uses) = known.map(Self::uses) {
+            held.requests.store(uses.requests, Ordering::Relaxed);
+            held.used_s.store(uses.last_s, Ordering::Relaxed);
+        }
+        held
+    }
+
+    /// Returns how the key was used since this server started.
+    pub(super) fn uses(&self) -> KeyUse {
+        KeyUse {
+            requests: self.requests.load(Ordering::Relaxed),
+            last_s: self.used_s.load(Ordering::Relaxed),
         }
     }
 
@@ -55,8 +88,10 @@ impl HeldKey {
         self.counts_for.load(Ordering::Relaxed)
     }
 
-    /// Counts one request; if the key has had its share, when to come back.
-    pub fn count(&self) -> Result<(), Duration> {
+    /// Counts one request, made in this second since 1970; if the key has had its share, when to come back.
+    pub fn count(&self, now_s: i64) -> Result<(), Duration> {
+        self.requests.fetch_add(1, Ordering::Relaxed);
+        self.used_s.store(now_s, Ordering::Relaxed);
         let Some(rate) = &self.rate else { return Ok(()) };
         match rate.check_n(self.counts_for()) {
             Ok(Ok(())) => {

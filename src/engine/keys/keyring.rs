@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
-use super::access::{Access, HeldKey};
+use super::access::{Access, HeldKey, KeyUse};
 use crate::domain::key::{Action, Key, KeyProperties, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
@@ -158,6 +158,14 @@ impl Keyring {
         }
     }
 
+    /// Returns how each good key was used since this server started.
+    pub fn uses(&self) -> BTreeMap<KeySeq, KeyUse> {
+        let now = now();
+        let table = self.table();
+        let good = table.by_seq.iter().filter(|(_, held)| held.key.is_good(now));
+        good.map(|(seq, held)| (*seq, held.uses())).collect()
+    }
+
     /// Returns what a key was made with, good or not.
     pub fn properties(&self, key: KeySeq) -> Option<KeyProperties> {
         self.table().by_seq.get(&key).map(|held| held.key.properties.clone())
@@ -244,8 +252,9 @@ impl Keyring {
             return;
         }
         let hold = |(hash, key): (SecretHash, Key)| {
-            let held = table.by_hash.get(&hash).filter(|held| held.key == key).cloned();
-            (hash, held.unwrap_or_else(|| Arc::new(HeldKey::new(key))))
+            let known = table.by_hash.get(&hash);
+            let held = known.filter(|held| held.key == key).cloned();
+            (hash, held.unwrap_or_else(|| Arc::new(HeldKey::after(known.map(Arc::as_ref), key))))
         };
         let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
         let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();
@@ -255,7 +264,7 @@ impl Keyring {
 }
 
 /// Returns the server's clock.
-pub(in crate::engine) fn now() -> Stamp {
+pub fn now() -> Stamp {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() }
 }

@@ -5,7 +5,7 @@
 //! together thus share one fsync. What a reader has seen may not be on disk yet, so no answer leaves
 //! before the version it was made from is ([`LiveMap::on_disk`]).
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
@@ -19,7 +19,7 @@ use super::map_memory::{MapMemory, MemoryShare};
 use super::release_uses::ReleaseUses;
 use super::standing::Standing;
 use crate::domain::event::Event;
-use crate::domain::ids::MapId;
+use crate::domain::ids::{MapId, SessionId};
 use crate::domain::key::KeySeq;
 use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::{WAITING_MAX, cores};
@@ -27,7 +27,7 @@ use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
-use crate::store::{Batch, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
+use crate::store::{Batch, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError, line_of};
 
 /// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
 /// wait for one map's lock leave room for those of another.
@@ -69,6 +69,8 @@ pub(in crate::engine) struct LiveMap {
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
     next_kept: AtomicI64,
+    /// Sessions whose newest keyframe looked like a place that evidence speaks against.
+    rejecting: Mutex<BTreeSet<SessionId>>,
     /// As they were when somebody looked last.
     figures: Mutex<Figures>,
     /// Held while a release of it is published: one at a time.
@@ -136,6 +138,7 @@ impl LiveMap {
             memory: memory.share(index.memory_bytes()),
             last_use: AtomicU64::new(0),
             kept: Mutex::default(),
+            rejecting: Mutex::default(),
             next_kept: AtomicI64::new(facts.next_kept),
             figures: Mutex::default(),
             publishing: tokio::sync::Mutex::default(),
@@ -358,6 +361,7 @@ impl LiveMap {
         if store.committer().refuses(false).is_some() {
             return;
         }
+        let Some(line) = line_of(&body) else { return };
         {
             let mut under_way = self.lock_kept();
             // An id stands for its answer, to the byte: one on its way to the disk need not go twice.
@@ -367,10 +371,21 @@ impl LiveMap {
             under_way.insert(id.to_owned(), body.clone());
         }
         let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
-        let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
+        let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, line, body };
         let (live, id) = (self.clone(), id.to_owned());
         // Nobody waits for it: it shares the sync of what comes next.
         store.committer().submit_held(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
+    }
+
+    /// Notes whether the newest keyframe of a session is rejected; whether it is the first of a row of these.
+    pub fn notes_rejection(&self, session: SessionId, is_rejected: bool) -> bool {
+        // A set of names is whole after each of its operations.
+        let mut rejecting = self.rejecting.lock().unwrap_or_else(PoisonError::into_inner);
+        if is_rejected {
+            return rejecting.insert(session);
+        }
+        rejecting.remove(&session);
+        false
     }
 
     /// Returns the answer of a loop query that is still on its way to the disk.

@@ -1,7 +1,9 @@
 //! Backups: taken and listed.
 
+use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::UNIX_EPOCH;
 
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
@@ -21,14 +23,14 @@ impl Service {
 
     /// Takes a backup, or finds the one of this name. It is finished even if the client goes away.
     pub async fn back_up(&self, id: Option<BackupId>) -> Result<BackupMade, ServiceError> {
-        let Some(backups) = self.backups.clone() else {
-            let detail = "the server was started without --backups DIR, and has no place to put one; \
-                `revisit backup FILE` takes one beside it";
-            return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
-        };
         let Some(files) = self.store.files().cloned() else {
             let detail =
                 "the facts are in PostgreSQL: its own tools back them up, such as pg_dump or archived logs";
+            return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
+        };
+        let Some(backups) = self.backups.clone() else {
+            let detail = "the server was started without --backups DIR, and has no place to put one; \
+                `revisit backup FILE` takes one beside it";
             return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
         };
         let permit = backups.enter()?;
@@ -38,6 +40,27 @@ impl Service {
             made
         };
         tokio::spawn(made.in_current_span()).await.map_err(ServiceError::panicked)?
+    }
+
+    /// Returns when the newest backup was taken, by this server or by `revisit backup`, in seconds since 1970; 0 without any.
+    pub(in crate::engine) fn newest_backup_s(&self) -> u64 {
+        let in_folder = self.backups.as_ref().map_or(0, |backups| backups.newest_s());
+        let mark =
+            self.store.files().and_then(|files| fs::metadata(files.backup_mark()).ok()?.modified().ok());
+        let since = mark.and_then(|at| at.duration_since(UNIX_EPOCH).ok());
+        in_folder.max(since.map_or(0, |since| since.as_secs()))
+    }
+
+    /// Deletes a backup.
+    pub async fn delete_backup(&self, id: BackupId) -> Result<(), ServiceError> {
+        let missing =
+            || ServiceError::NotFound("there is no such backup; GET /v1/backups lists them".to_owned());
+        let Some(backups) = self.backups.clone() else { return Err(missing()) };
+        let delete = move || backups.delete(&id);
+        match spawn_blocking(delete).await.map_err(ServiceError::panicked)?? {
+            true => Ok(()),
+            false => Err(missing()),
+        }
     }
 
     /// Returns the backups, the newest first.

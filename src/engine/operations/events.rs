@@ -55,12 +55,15 @@ impl Service {
         Ok((pinned, listener))
     }
 
-    /// Announces that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
-    pub(in crate::engine) fn announce_loop(&self, live: &Arc<LiveMap>, answer: &QueryAnswer) {
-        let mut event = Event::of(EventKind::LoopFound);
+    /// Announces the verdict about a keyframe that arrived. Written behind: it can be asked for again.
+    pub(in crate::engine) fn announce(&self, kind: EventKind, live: &Arc<LiveMap>, answer: &QueryAnswer) {
+        let mut event = Event::of(kind);
         event.keyframe.clone_from(&answer.keyframe);
-        event.candidate.clone_from(&answer.verdict.best);
+        let verdict = &answer.verdict;
+        let likeliest = || verdict.candidates.first().map(|candidate| candidate.keyframe.clone());
+        event.candidate = verdict.best.clone().or_else(likeliest);
         event.query = Some(answer.id.clone());
+        event.detail = (kind == EventKind::LoopRejected).then(|| verdict.why.clone());
         let (live, store) = (live.clone(), self.store.clone());
         // Takes the map's lock, which may be held for a while; the answer need not wait for it.
         drop(tokio::task::spawn_blocking(move || live.tell(&store, vec![event])));

@@ -2,8 +2,8 @@
 //! that a request holds while it works, and nothing asks the database.
 
 use crate::engine::{Service, VerdictCounts};
-use crate::store::Leases;
 use crate::store::files::paths::DatabaseFiles;
+use crate::store::{Disk, Leases};
 
 /// Figures for the metrics page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,7 +62,13 @@ pub struct Stats {
     pub database_bytes: u64,
     /// Bytes of its write-ahead log.
     pub wal_bytes: u64,
-    /// When the newest backup of POST /v1/backups was asked for, in seconds since 1970; 0 without any.
+    /// 1 while the disk is full, so that it refuses writes.
+    pub disk_full: u64,
+    /// 1 while the disk or the database fails.
+    pub disk_failing: u64,
+    /// Bytes that the disk of the database has left; 0 if that is not known.
+    pub disk_free_bytes: u64,
+    /// When the newest backup was taken, by POST /v1/backups or `revisit backup`, in seconds since 1970; 0 without any.
     pub newest_backup_s: u64,
     /// Questions that models are to be asked.
     pub model_jobs: u64,
@@ -125,7 +131,10 @@ impl Service {
             feature_cache_bytes: features.bytes,
             database_bytes: files.database,
             wal_bytes: files.wal,
-            newest_backup_s: self.backups.as_ref().map_or(0, |backups| backups.newest_s()),
+            disk_full: u64::from(self.disk() == Disk::Full),
+            disk_failing: u64::from(self.disk() == Disk::Failing),
+            disk_free_bytes: self.store.files().and_then(DatabaseFiles::free_bytes).unwrap_or(0),
+            newest_backup_s: self.newest_backup_s(),
             nodes: self.node_count(),
             leases: self.store.leases().map_or(0, Leases::count),
             leases_lost: self.store.leases().map_or(0, Leases::lost),

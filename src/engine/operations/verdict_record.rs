@@ -5,9 +5,13 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use super::keyframe_views::find;
-use crate::domain::ids::{KeyframeId, MapId, SessionId};
+use crate::domain::event::EventKind;
+use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
+use crate::domain::reason::ReasonCode;
+use crate::domain::report::Page;
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
+use crate::domain::verdict_line::{ListedVerdict, VerdictFilter};
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{QueryAnswer, Service, ServiceError};
@@ -71,19 +75,52 @@ impl Service {
         self.loop_query(map, about(keyframe)).await
     }
 
-    /// Answers the loop query about a keyframe that has just arrived. The verdict is recorded; if it is a loop, listeners
-    /// are notified of it.
+    /// Answers the loop query about a keyframe that has just arrived. The verdict is recorded; if it is a loop, or evidence speaks
+    /// against one, listeners are notified of it.
     pub(in crate::engine) async fn query_and_announce(
         &self,
         map: &MapId,
         keyframe: KeyframeId,
     ) -> Result<QueryAnswer, ServiceError> {
         let live = self.live(map).await?;
-        let answer = self.answer_and_record(&live, about(keyframe)).await?;
+        let answer = self.answer_and_record(&live, about(keyframe.clone())).await?;
+        let stopped_by = answer.verdict.candidates.first().and_then(|candidate| candidate.reason.as_ref());
+        let is_rejected = answer.verdict.decision == Decision::NoLoop
+            && stopped_by.is_some_and(|reason| reason.code == ReasonCode::Contradiction);
         if answer.verdict.decision == Decision::Loop {
-            self.announce_loop(&live, &answer);
+            self.announce(EventKind::LoopFound, &live, &answer);
+        }
+        // Of a drive past such places the first keyframe is told.
+        let session = self.session_of(&live, &Subject::Stored(keyframe)).await?;
+        if session.is_some_and(|session| live.notes_rejection(session, is_rejected)) {
+            self.announce(EventKind::LoopRejected, &live, &answer);
         }
         Ok(answer)
+    }
+
+    /// Lists the verdicts of a map, or of a release of it, the newest first. Any server reads them; one that was given a moment ago
+    /// by another server may be missing.
+    pub async fn list_verdicts(
+        &self,
+        map: &MapId,
+        release: Option<&ReleaseName>,
+        filter: &VerdictFilter,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<Page<ListedVerdict>, ServiceError> {
+        let before = cursor
+            .map_or(Ok(i64::MAX), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)))?;
+        let key = match release {
+            Some(name) => self.live_release(map, name).await?.key,
+            None => self.key_of(map).await?,
+        };
+        // Those that this server gave are written behind.
+        self.store.committer().settled().await;
+        let mut found = self.store.verdicts(key, filter, before, limit + 1).await?;
+        let more = found.len() > limit;
+        found.truncate(limit);
+        let next_cursor = found.last().filter(|_| more).map(|(kept, _)| kept.to_string());
+        Ok(Page { items: found.into_iter().map(|(_, listed)| listed).collect(), next_cursor })
     }
 
     /// Returns a recorded answer.

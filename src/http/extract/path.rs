@@ -7,7 +7,7 @@ use axum::http::request::Parts;
 use utoipa::IntoParams;
 
 use crate::domain::ids::{
-    ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId, ReleaseName, SessionId,
+    BackupId, ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId, ReleaseName, SessionId,
 };
 use crate::domain::invalid::FieldError;
 use crate::domain::prior::AnchorKey;
@@ -84,6 +84,9 @@ pub struct JudgementPath {
 /// An API key.
 pub struct KeyPath(pub KeyframeId);
 
+/// A backup.
+pub struct BackupPath(pub BackupId);
+
 /// A stored loop query of a map.
 pub struct QueryPath {
     /// The map.
@@ -157,6 +160,10 @@ documented! {
     }
     KeyPathParams {
         /// The key's id, such as `key-7`, assigned by the service.
+        id,
+    }
+    BackupPathParams {
+        /// The backup's id, chosen by who asked for it or assigned by the service.
         id,
     }
     QueryPathParams {
@@ -279,6 +286,15 @@ impl<S: Send + Sync> FromRequestParts<S> for JudgementPath {
 }
 
 impl<S: Send + Sync> FromRequestParts<S> for KeyPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let named = Named::of(parts, state).await?;
+        named.id("id").map(Self).map_err(|fault| Problem::invalid(vec![fault]))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for BackupPath {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {

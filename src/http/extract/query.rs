@@ -9,8 +9,12 @@ use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode, Node, Object};
 use crate::api::limits;
 use crate::domain::anchor::AnchorState;
+use crate::domain::ids::ReleaseName;
 use crate::domain::invalid::FieldError;
+use crate::domain::reason::ReasonCode;
 use crate::domain::request::{AnchorFilter, Detail};
+use crate::domain::verdict::Decision;
+use crate::domain::verdict_line::VerdictFilter;
 use crate::http::problem::{Kind, Problem};
 
 /// A request's parameters, decoded into the model.
@@ -94,6 +98,41 @@ pub struct AnchorSearch {
 pub struct AnchorPage {
     /// The filter.
     pub filter: AnchorFilter,
+    /// The page.
+    pub page: Paging,
+}
+
+/// A filter of verdicts. What is left out admits all.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Query)]
+#[expect(dead_code, reason = "documents what the reader reads")]
+pub struct VerdictSearch {
+    /// Only this answer.
+    #[param(inline)]
+    verdict: Option<crate::api::names::VerdictName>,
+    /// Only those that this check decided.
+    #[param(inline)]
+    reason: Option<crate::api::names::ReasonCodeName>,
+    /// Only those about keyframes of this session.
+    #[param(min_length = 1, max_length = 128)]
+    session: Option<String>,
+    /// Only those asked from this time on, in whole seconds since 1970.
+    #[param(minimum = 0)]
+    since: Option<u64>,
+    /// Only those asked before this time, in whole seconds since 1970.
+    #[param(minimum = 0)]
+    until: Option<u64>,
+    /// Those that were asked of this release of the map, instead of the map itself.
+    #[param(min_length = 1, max_length = 64)]
+    release: Option<String>,
+}
+
+/// A filter of verdicts, and a page of the result.
+pub struct VerdictPage {
+    /// The filter.
+    pub filter: VerdictFilter,
+    /// The release that was asked.
+    pub release: Option<ReleaseName>,
     /// The page.
     pub page: Paging,
 }
@@ -190,6 +229,28 @@ impl Decode for AnchorPage {
             prior: prior?,
         };
         Some(Self { filter, page: page? })
+    }
+}
+
+impl Decode for VerdictPage {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query =
+            node.object(&["verdict", "reason", "session", "since", "until", "release", "limit", "cursor"])?;
+        let page = paging(&query);
+        let decision = query.optional("verdict", |node| node.choice(Decision::NAMES, Decision::from_name));
+        let reason = query.optional("reason", |node| node.choice(ReasonCode::NAMES, ReasonCode::from_name));
+        let session = query.optional("session", read::id);
+        let since = query.optional("since", |node| node.digits(limits::SEED));
+        let until = query.optional("until", |node| node.digits(limits::SEED));
+        let release = query.optional("release", read::id);
+        let filter = VerdictFilter {
+            decision: decision?,
+            reason: reason?,
+            session: session?,
+            since_s: since?,
+            until_s: until?,
+        };
+        Some(Self { filter, release: release?, page: page? })
     }
 }
 

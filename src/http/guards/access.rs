@@ -13,10 +13,10 @@ use super::admission::HeldPermit;
 use super::loopback_guard;
 use super::route_permissions::Permission;
 use crate::domain::ids::MapId;
-use crate::domain::key::Action;
+use crate::domain::key::{Action, MapPattern};
 use crate::engine::ServiceError;
 use crate::engine::keys::access::Access;
-use crate::engine::keys::keyring::Found;
+use crate::engine::keys::keyring::{Found, now};
 use crate::http::App;
 use crate::http::envelope::no_such_method;
 use crate::http::peers::FORWARDED;
@@ -56,6 +56,16 @@ impl Caller {
             "this key covers the maps {}; {map} is none of them",
             patterns.join(", ")
         ))
+    }
+
+    /// Returns the patterns of the maps that the key covers; none where it covers every map.
+    pub fn patterns(&self) -> Option<Vec<String>> {
+        match &self.0 {
+            Access::Key(held) if !held.key.properties.maps.contains(&MapPattern::every()) => {
+                Some(held.key.properties.maps.iter().map(ToString::to_string).collect())
+            }
+            Access::Open | Access::Key(_) => None,
+        }
     }
 
     /// Whether the caller's key covers this map.
@@ -104,7 +114,8 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
                 "the API document declares no permission for this operation, so it is denied to every caller";
             return Err(Problem::new(Kind::FORBIDDEN, detail).into());
         }
-        Permission::Action(action) => action,
+        Permission::AnyKey => None,
+        Permission::Action(action) => Some(action),
     };
     let secret = secret(parts)?;
     let working = parts.extensions.get::<HeldPermit>().cloned().unwrap_or_default();
@@ -113,7 +124,9 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     match &access {
         // What another server sent on, that one has checked and counted.
         Access::Open if !is_from_peer(app, parts) => loopback_guard::check(parts)?,
-        Access::Key(held) if !is_from_peer(app, parts) => held.count().map_err(Problem::too_many_requests)?,
+        Access::Key(held) if !is_from_peer(app, parts) => {
+            held.count(now().sec).map_err(Problem::too_many_requests)?;
+        }
         Access::Open | Access::Key(_) => {}
     }
     if let Some(key) = access.key() {
@@ -125,7 +138,9 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     {
         return Err(Problem::from(caller.lacks(&map)).into());
     }
-    caller.needs(action)?;
+    if let Some(action) = action {
+        caller.needs(action)?;
+    }
     Ok(Some(caller))
 }
 

@@ -18,6 +18,8 @@ pub const SCHEME: &str = "key";
 pub enum Permission {
     /// None: every caller is allowed.
     Nothing,
+    /// A key, whatever it may do.
+    AnyKey,
     /// A key with this action.
     Action(Action),
     /// Not declared: every caller is denied.
@@ -70,6 +72,12 @@ fn declared(operation: &Value) -> Permission {
     if requirement.is_empty() {
         return Permission::Nothing;
     }
-    let action = requirement.get(SCHEME).and_then(|actions| Action::from_name(actions.get(0)?.as_str()?));
-    action.map_or(Permission::Undeclared, Permission::Action)
+    match requirement.get(SCHEME).and_then(Value::as_array).map(Vec::as_slice) {
+        Some([]) => Permission::AnyKey,
+        Some([action, ..]) => {
+            let action = action.as_str().and_then(Action::from_name);
+            action.map_or(Permission::Undeclared, Permission::Action)
+        }
+        None => Permission::Undeclared,
+    }
 }

@@ -19,6 +19,9 @@ use crate::config::build;
 const LATENCY_BOUNDS_S: [f64; 14] =
     [0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0, 60.0];
 
+/// Keys that have a label of their own; there may be any number of keys.
+const KEYS_NAMED: usize = 100;
+
 /// The metrics of one server.
 pub struct Metrics {
     registry: Registry,
@@ -27,6 +30,7 @@ pub struct Metrics {
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
     forwarded: Family<ForwardedLabels, Counter>,
+    by_key: Family<KeyLabels, Counter>,
     started: Instant,
     /// Rejected requests and connections.
     pub shed_metrics: ShedMetrics,
@@ -59,6 +63,11 @@ struct VerdictLabels {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct KeyLabels {
+    key: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct ForwardedLabels {
     outcome: &'static str,
 }
@@ -79,6 +88,12 @@ impl Default for Metrics {
             drop(forwarded.get_or_create(&ForwardedLabels { outcome }));
         }
         registry.register("forwarded", "Requests about maps of other servers", forwarded.clone());
+        let by_key = Family::default();
+        registry.register(
+            "key_requests",
+            "Requests by key; of more than 100 keys the rest as one",
+            by_key.clone(),
+        );
         let refusals = Family::default();
         registry.register("http_refusals", "Requests rejected or failed, by status", refusals.clone());
         let built = vec![("version", build::VERSION)];
@@ -103,6 +118,7 @@ impl Default for Metrics {
             latency,
             verdicts,
             forwarded,
+            by_key,
             started,
             shed_metrics,
             gauges,
@@ -149,6 +165,13 @@ impl Metrics {
                 self.verdicts.get_or_create(&labels).inner().store(count, Ordering::Relaxed);
             }
         }
+        // The oldest keys have labels of their own, so that a label never changes its meaning.
+        let (named, rest) = figures.key_requests.split_at(figures.key_requests.len().min(KEYS_NAMED));
+        let rest =
+            (!rest.is_empty()).then(|| ("other".to_owned(), rest.iter().map(|(_, count)| count).sum()));
+        for (key, count) in named.iter().map(|(seq, count)| (seq.public(), *count)).chain(rest) {
+            self.by_key.get_or_create(&KeyLabels { key }).inner().store(count, Ordering::Relaxed);
+        }
         self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
         let mut out = String::new();
         // Writing to a string does not fail.
@@ -165,6 +188,7 @@ fn known(method: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::key::KeySeq;
     use crate::domain::verdict::Decision;
     use crate::engine::Stats;
 
@@ -175,7 +199,9 @@ mod tests {
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
         let verdicts = [Decision::Loop].into_iter().collect();
         let stats = Stats { keyframes: 7, verdicts, ..Stats::default() };
-        let text = metrics.text(&Figures { stats, ..Figures::default() });
+        let requests = |seq| (KeySeq(seq), if seq == 1 { 3 } else { 1 });
+        let key_requests = (1..=KEYS_NAMED as i64 + 2).map(requests).collect();
+        let text = metrics.text(&Figures { stats, key_requests, ..Figures::default() });
         for line in [
             r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,
             r#"revisit_http_requests_total{method="other",route="unmatched",status="4xx"} 1"#,
@@ -183,6 +209,8 @@ mod tests {
             r#"revisit_loop_verdicts_total{verdict="loop"} 1"#,
             "revisit_keyframes 7",
             r#"revisit_http_refusals_total{status="404"} 1"#,
+            r#"revisit_key_requests_total{key="key-1"} 3"#,
+            r#"revisit_key_requests_total{key="other"} 2"#,
             r#"revisit_build_info{version=""#,
         ] {
             assert!(text.contains(line), "{line}\n{text}");

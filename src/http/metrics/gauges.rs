@@ -1,13 +1,16 @@
 //! Gauges: figures of `/metrics` that are read on request, each a row of one table.
 
 use super::process::Process;
+use crate::domain::key::KeySeq;
 use crate::engine::Stats;
 
 /// The sources of the gauges.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Figures {
     /// The service's.
     pub stats: Stats,
+    /// Requests by each good key, the oldest key first.
+    pub key_requests: Vec<(KeySeq, u64)>,
     /// The process's.
     pub process: Process,
     /// Time since the server started, in seconds.
@@ -69,9 +72,14 @@ pub const GAUGES: &[Row] = &[
     ("feature_cache_bytes", "Bytes of the features in memory", |f| f.stats.feature_cache_bytes),
     ("database_bytes", "Bytes of the database on disk", |f| f.stats.database_bytes),
     ("wal_bytes", "Bytes of its write-ahead log on disk", |f| f.stats.wal_bytes),
-    ("newest_backup_seconds", "Unix time of the newest backup by POST /v1/backups; 0 without any", |f| {
-        f.stats.newest_backup_s
-    }),
+    ("disk_full", "1 while the disk is full, so that writes are refused", |f| f.stats.disk_full),
+    ("disk_failing", "1 while the disk or the database fails", |f| f.stats.disk_failing),
+    ("disk_free_bytes", "Bytes left on the disk of the database; 0 if unknown", |f| f.stats.disk_free_bytes),
+    (
+        "newest_backup_seconds",
+        "Unix time of the newest backup by POST /v1/backups or revisit backup; 0 without any",
+        |f| f.stats.newest_backup_s,
+    ),
     ("model_jobs", "Questions waiting for a model", |f| f.stats.model_jobs),
     ("model_calls", "Model calls since the database was created", |f| f.stats.model_calls),
     ("model_cache_hits", "Questions answered without a call", |f| f.stats.model_cache_hits),

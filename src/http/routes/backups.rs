@@ -2,6 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
+use axum::http::StatusCode;
 use axum::response::Response;
 
 use crate::api::backup::{BackupBody, BackupView};
@@ -10,8 +11,9 @@ use crate::api::list::BackupList;
 use crate::domain::request::NewBackup;
 use crate::engine::Service;
 use crate::http::answer::written;
-use crate::http::error_responses::{OfBackup, OfList};
+use crate::http::error_responses::{OfBackup, OfDelete, OfList};
 use crate::http::extract::body::Body;
+use crate::http::extract::path::{BackupPath, BackupPathParams};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -38,6 +40,21 @@ pub async fn take_backup(
 ) -> Result<Response, Problem> {
     let made = service.back_up(new.id).await?;
     Ok(written(made.created, BackupView::taken(made.report, &made.removed)))
+}
+
+/// Delete a backup
+///
+/// Its two files are removed from the folder given by `revisit serve --backups`.
+#[utoipa::path(
+    delete, path = "/v1/backups/{id}", tag = "service", params(BackupPathParams), security(("key" = ["admin"])),
+    responses((status = 204, description = "The backup is deleted"), OfDelete)
+)]
+pub async fn delete_backup(
+    State(service): State<Service>,
+    BackupPath(id): BackupPath,
+) -> Result<StatusCode, Problem> {
+    service.delete_backup(id).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// List backups

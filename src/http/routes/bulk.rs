@@ -18,6 +18,7 @@ use crate::api::keyframe::SentKeyframe;
 use crate::api::limits;
 use crate::domain::report::KeyframeReport;
 use crate::engine::keys::access::Access;
+use crate::engine::keys::keyring::now;
 use crate::engine::{PendingKeyframe, PinnedMap, ServiceError, Stored};
 use crate::http::App;
 use crate::http::envelope::RequestId;
@@ -186,7 +187,7 @@ impl Answer {
     /// Meanwhile it holds no permit, neither as a request nor for its pending writes, so it delays no other client.
     async fn key_allows(&mut self, working: &HeldPermit) {
         let Access::Key(held) = self.access.clone() else { return };
-        if held.count().is_err() {
+        if held.count(now().sec).is_err() {
             self.all_committed().await;
             working.release_while(held.wait()).await;
         }

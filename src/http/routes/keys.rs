@@ -6,14 +6,17 @@ use axum::http::StatusCode;
 
 use crate::api::key::{self, KeyBody, KeyView};
 use crate::api::list::KeyList;
-use crate::domain::key::KeyProperties;
+use crate::api::space::Time;
+use crate::domain::key::{Key, KeyProperties};
 use crate::engine::Service;
+use crate::engine::keys::access::Access;
 use crate::engine::keys::lockout::Lockout;
-use crate::http::error_responses::{OfList, OfRevocation, OfWrite};
+use crate::http::error_responses::{OfKey, OfList, OfRevocation, OfWrite};
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{KeyPath, KeyPathParams};
 use crate::http::extract::query::{LastAdmin, Paging, Query};
-use crate::http::problem::Problem;
+use crate::http::guards::access::Caller;
+use crate::http::problem::{Kind, Problem};
 
 /// List keys
 ///
@@ -27,8 +30,32 @@ pub async fn list_keys(
     Query(page): Query<Paging>,
 ) -> Result<Json<KeyList>, Problem> {
     let keys = service.keys().page(page.cursor.as_deref(), page.limit)?;
-    let items = keys.items.into_iter().map(KeyView::from).collect();
+    let uses = service.keys().uses();
+    let view = |key: Key| {
+        let last_used = uses
+            .get(&key.seq)
+            .filter(|uses| uses.requests > 0)
+            .map(|uses| Time { sec: uses.last_s, nanosec: 0 });
+        KeyView { last_used, ..KeyView::from(key) }
+    };
+    let items = keys.items.into_iter().map(view).collect();
     Ok(Json(KeyList { items, next_cursor: keys.next_cursor }))
+}
+
+/// Read the key that asks
+///
+/// What it may do, and with which maps. A server that requires no key answers 404.
+#[utoipa::path(
+    get, path = "/v1/keys/me", tag = "keys", security(("key" = [])),
+    responses((status = 200, description = "The key", body = KeyView, example = key::example_robots), OfKey)
+)]
+pub async fn get_own_key(caller: Caller) -> Result<Json<KeyView>, Problem> {
+    match caller.0 {
+        Access::Key(held) => Ok(Json(held.key.clone().into())),
+        Access::Open => {
+            Err(Problem::new(Kind::NOT_FOUND, "this server requires no key: everything is permitted"))
+        }
+    }
 }
 
 /// Create a key

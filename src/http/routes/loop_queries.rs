@@ -6,6 +6,7 @@ use axum::http::HeaderName;
 use axum::response::{IntoResponse as _, Response};
 
 use crate::api::examples;
+use crate::api::list::VerdictList;
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::verdict::LoopAnswer;
 use crate::domain::request::Detail;
@@ -14,8 +15,8 @@ use crate::http::answer::json_bytes;
 use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::QueryOfMap;
-use crate::http::extract::path::{MapPathParams, QueryPath, QueryPathParams};
-use crate::http::extract::query::{LoopQueryParams, Query};
+use crate::http::extract::path::{MapPath, MapPathParams, QueryPath, QueryPathParams};
+use crate::http::extract::query::{LoopQueryParams, Paging, Query, VerdictPage, VerdictSearch};
 use crate::http::problem::Problem;
 
 /// The W3C header with a server's timings.
@@ -50,6 +51,26 @@ pub async fn query_loop(
             .into_response(),
     };
     Ok(([(SERVER_TIMING, server_timing(answer.timings))], body).into_response())
+}
+
+/// List verdicts
+///
+/// The newest first, paged: a line for each loop query about a keyframe, the last 100,000 of a map. Written behind: a crash may
+/// lose the last few. A question that is asked again, at the same version, has one line, with the time of the last. An erasure
+/// removes all lines of the map, for any of them may name what was erased.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, VerdictSearch, Paging),
+    security(("key" = ["read"])),
+    responses((status = 200, description = "One page of the list", body = VerdictList, example = examples::verdicts), ReadErrors)
+)]
+pub async fn list_loop_queries(
+    State(service): State<Service>,
+    MapPath(map): MapPath,
+    Query(VerdictPage { filter, release, page }): Query<VerdictPage>,
+) -> Result<Json<VerdictList>, Problem> {
+    let found =
+        service.list_verdicts(&map, release.as_ref(), &filter, page.cursor.as_deref(), page.limit).await?;
+    Ok(Json(found.into()))
 }
 
 /// Read a verdict again

@@ -16,6 +16,7 @@ use crate::http::metrics::counters::Metrics;
 use crate::http::metrics::gauges::Figures;
 use crate::http::metrics::process::Process;
 use crate::http::problem::{Kind, Problem};
+use crate::store::Disk;
 
 /// Check liveness
 ///
@@ -30,7 +31,8 @@ pub async fn healthz() -> Json<Health> {
 
 /// Check readiness for requests
 ///
-/// Returns 200 once the database is open, 503 after shutdown begins. Maps are loaded on first use.
+/// Returns 200 once the database is open, 503 after shutdown begins. Maps are loaded on first use. A server whose disk refuses
+/// writes still answers questions: it returns 200 with `degraded`, and why.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", security(()),
     responses((status = 200, description = "It is ready", body = Health, example = examples::ready), OfReadiness)
@@ -40,7 +42,13 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
         return Err(Problem::new(Kind::UNAVAILABLE, "the server is stopping"));
     }
     app.service.ready()?;
-    Ok(Json(Health::of("ready")))
+    Ok(Json(match app.service.disk() {
+        Disk::Well => Health::of("ready"),
+        Disk::Full => {
+            Health::degraded("the disk is full: writes are refused, reads and deletes are answered")
+        }
+        Disk::Failing => Health::degraded("the disk or the database fails: writes are refused"),
+    }))
 }
 
 /// Read the server's version
@@ -76,6 +84,7 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     // Nothing here waits for the database or another request, because operators need metrics most under load.
     let figures = Figures {
         stats: app.service.stats(),
+        key_requests: app.service.keys().uses().into_iter().map(|(seq, uses)| (seq, uses.requests)).collect(),
         process: Process::now(),
         uptime_s: app.metrics.uptime().as_secs(),
     };

@@ -11,10 +11,12 @@ use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, Sess
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::rows::bulk_insert::{RowValues, write_rows};
+use crate::store::rows::clock::micros_now;
 use crate::store::rows::keyframe_rows::{self, Arrived, Detected};
 use crate::store::rows::map_rows;
 use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
+use crate::store::rows::verdict_rows::{self, KeptQuery};
 use crate::store::slices::deferred;
 use crate::store::sql::{self, Connection};
 
@@ -23,21 +25,6 @@ const EVENTS_KEPT: u64 = 100_000;
 
 /// Events between two removals of old ones.
 const EVENTS_SWEPT_EVERY: u64 = 256;
-
-/// Loop queries of a map are kept up to this number, oldest out first.
-const QUERIES_KEPT: i64 = 1_000;
-
-/// Loop queries that are taken out at a time.
-const QUERIES_SWEPT: i64 = 16;
-
-/// The answer of a loop query, to be kept.
-pub(in crate::store) struct KeptQuery<'j> {
-    pub map: MapKey,
-    pub id: &'j str,
-    /// Its number in the map, by age.
-    pub kept: i64,
-    pub body: &'j [u8],
-}
 
 /// Rows gathered from the jobs of a group, not written yet.
 #[derive(Default)]
@@ -123,13 +110,14 @@ impl<'j> Additions<'j> {
         })
         .await?;
         add_events(db, &self.events).await?;
-        keep_queries(db, &self.queries).await
+        verdict_rows::keep(db, &self.queries).await
     }
 }
 
 async fn add_events(db: &mut Connection, events: &[(MapKey, &Event)]) -> Result<(), StoreError> {
     let head = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, session,
-        into_session, detail) ";
+        into_session, detail, told_us) ";
+    let now = micros_now();
     let push = |row: &mut RowValues, (map, event): &(MapKey, &Event)| {
         let id = |id: &KeyframeId| id.as_str().to_owned();
         row.push_bind(*map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
@@ -140,31 +128,12 @@ async fn add_events(db: &mut Connection, events: &[(MapKey, &Event)]) -> Result<
         let session = |id: &SessionId| id.as_str().to_owned();
         row.push_bind(event.query.clone());
         row.push_bind(event.session.as_ref().map(session)).push_bind(event.into.as_ref().map(session));
-        row.push_bind(event.detail.clone());
+        row.push_bind(event.detail.clone()).push_bind(now);
     };
     write_rows(db, head, "", events, push).await?;
     for (map, event) in events.iter().filter(|(_, event)| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {
         let sweep = "delete from events where map_key = $1 and seq <= $2";
         run(db, sql::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
-    }
-    Ok(())
-}
-
-async fn keep_queries(db: &mut Connection, queries: &[KeptQuery<'_>]) -> Result<(), StoreError> {
-    // A map may be gone by now: then there is nothing to keep.
-    let head =
-        "insert into loop_queries (map_key, id, kept, body) select column1, column2, column3, column4 from (";
-    let tail = ") as given where exists (select 1 from maps where map_key = column1 and deleted = 0)
-        on conflict (map_key, id) do update set kept = excluded.kept, body = excluded.body";
-    write_rows(db, head, tail, queries, |row, query| {
-        row.push_bind(query.map).push_bind(query.id.to_owned()).push_bind(query.kept);
-        row.push_bind(query.body.to_vec());
-    })
-    .await?;
-    for query in queries.iter().filter(|query| query.kept % QUERIES_SWEPT == 0) {
-        let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
-        let oldest = query.kept - QUERIES_KEPT + QUERIES_SWEPT;
-        run(db, sql::query(sweep).bind(query.map).bind(oldest)).await?;
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 
 use tokio::sync::{mpsc, oneshot};
 
-use super::health::Health;
+use super::health::{Disk, Health};
 use super::held::Held;
 use super::job::Job;
 use super::queue::{Counters, Message, PoisonFlag, Queued, Renewal};
@@ -44,6 +44,11 @@ impl Committer {
         health: Health,
     ) -> Self {
         Self { held: Held::before(queue), counters, health }
+    }
+
+    /// Returns the state of the disk.
+    pub fn disk(&self) -> Disk {
+        self.health.disk()
     }
 
     /// Why a write need not be decided now, if the disk is known to take none.

@@ -236,6 +236,7 @@ mod tests {
     use crate::store::commit::queue::PoisonFlag;
     use crate::store::files::disk_reserve::Reserve;
     use crate::store::files::schema;
+    use crate::store::test_database::a_line;
 
     const ROOM_FOR_ANYTHING: i64 = 1 << 30;
 
@@ -299,7 +300,7 @@ mod tests {
         let line = PoisonFlag::default();
         let (committed, heard) = oneshot::channel();
         let body = bytes::Bytes::from(vec![b'x'; 1 << 20]);
-        let job = Job::KeepQuery { map: 1, id: "q-1".to_owned(), kept: 1, body };
+        let job = Job::KeepQuery { map: 1, id: "q-1".to_owned(), kept: 1, line: a_line(), body };
         committer.submit(job, &line, move |result| drop(committed.send(result)));
         assert!(matches!(heard.await, Ok(Err(StoreError::DiskFull))));
         assert!(!line.load(Ordering::Acquire), "the map need not be loaded anew");

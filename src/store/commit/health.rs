@@ -14,7 +14,7 @@ pub(in crate::store) struct Health(Arc<AtomicU8>);
 
 /// The state of the disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::store) enum Disk {
+pub enum Disk {
     /// It takes writes.
     Well,
     /// It is full: only deletes are tried.

@@ -15,6 +15,7 @@ use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::release::ReleaseUse;
 use crate::domain::request::Digest;
+use crate::domain::verdict_line::VerdictLine;
 use crate::store::slices::parts::Part;
 
 /// A map's key in the database.
@@ -253,6 +254,8 @@ pub enum Job {
         id: String,
         /// Its number in the map, by age.
         kept: i64,
+        /// What a list shows of it.
+        line: VerdictLine,
         /// The answer, as sent.
         body: bytes::Bytes,
     },

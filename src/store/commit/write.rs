@@ -1,6 +1,6 @@
 //! From changes to rows.
 
-use super::additions::{Additions, KeptQuery};
+use super::additions::Additions;
 use super::job::{Batch, ErasureStep, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
 use crate::store::StoreError;
@@ -9,6 +9,7 @@ use crate::store::rows::blob::pack;
 use crate::store::rows::keyframe_rows::{Arrived, detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
+use crate::store::rows::verdict_rows::KeptQuery;
 use crate::store::rows::{
     changed_sign_rows, copied_rows, erasure_rows, former_value_rows, frame_rows, judgement_rows, key_rows,
     map_rows, model_rows, observation_rows, operation_rows, point_blocks, prior_rows, release_rows,
@@ -53,8 +54,8 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
             deferred::commit_staged(rows.db().await?, batch.map, batch.version, *parts).await?;
             change_map(rows, batch).await
         }
-        Job::KeepQuery { map, id, kept, body } => {
-            rows.gathered.keep(KeptQuery { map: *map, id, kept: *kept, body });
+        Job::KeepQuery { map, id, kept, line, body } => {
+            rows.gathered.keep(KeptQuery { map: *map, id, kept: *kept, line, body });
             Ok(())
         }
         Job::AppendEvents(map, next_event, events) => {

@@ -75,6 +75,19 @@ impl DatabaseFiles {
         &self.database
     }
 
+    /// Returns the file whose time of change is that of the newest copy by `revisit backup`.
+    pub fn backup_mark(&self) -> PathBuf {
+        let mut mark = self.database.as_os_str().to_owned();
+        mark.push("-backup-taken");
+        PathBuf::from(mark)
+    }
+
+    /// Returns how many bytes its disk has left for this process; none if that is not known.
+    pub fn free_bytes(&self) -> Option<u64> {
+        let disk = rustix::fs::statvfs(self.folder()).ok()?;
+        Some(disk.f_bavail.saturating_mul(disk.f_frsize))
+    }
+
     /// Returns the folder it lies in.
     pub fn folder(&self) -> &Path {
         self.database.parent().unwrap_or(Path::new("."))

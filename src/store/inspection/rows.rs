@@ -164,7 +164,7 @@ async fn crops(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) -> Re
 
 /// The kept answers are JSON that names itself.
 async fn queries(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
-    let select = "select id, body from loop_queries where map_key = $1";
+    let select = "select id, body from loop_queries where map_key = $1 and body is not null";
     let mut rows = sql::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let id: String = row.try_get("id")?;

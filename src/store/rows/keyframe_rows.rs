@@ -1,10 +1,10 @@
 //! The rows of a keyframe: itself, its features, its detections, its map points.
 
 use std::collections::HashMap;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::blob::{gravity_blob, pack};
 use super::bulk_insert::write_rows;
+use super::clock::seconds_now;
 use super::column::integers;
 use super::keypoints::keypoints;
 use super::statement::run;
@@ -34,12 +34,6 @@ pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
 /// Packs the covisible keyframes that a client declared.
 pub(in crate::store) fn declared_blob(declared: &Declared) -> Option<Vec<u8>> {
     declared.as_ref().map(|listed| pack(listed.iter().map(|(other, shared)| (other.0, *shared))))
-}
-
-/// Returns the second that it is now, by this machine's clock.
-fn seconds_now() -> i64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    i64::try_from(since.as_secs()).unwrap_or(i64::MAX)
 }
 
 /// Adds the rows of keyframes, and of their features.

@@ -56,7 +56,7 @@ pub(in crate::store) const TABLES: &[Table] = &[
     without_rowid("loops", "id"),
     without_rowid("twins", "keyframe, candidate, anchor, candidate_anchor"),
     without_rowid("events", "seq"),
-    with_blobs("loop_queries", "id", "length(body)"),
+    with_blobs("loop_queries", "id", "coalesce(length(body), 0)"),
     without_rowid("release_uses", "session"),
     without_rowid("erasures", "number"),
     without_rowid("model_verdicts", "operation, class, a, b"),

@@ -3,6 +3,7 @@
 pub(super) mod blob;
 pub(super) mod bulk_insert;
 pub(super) mod changed_sign_rows;
+pub(super) mod clock;
 pub(super) mod column;
 pub(super) mod copied_rows;
 pub(super) mod decode;
@@ -32,4 +33,5 @@ pub(super) mod transferred_rows;
 pub(super) mod twin_rows;
 pub(super) mod unpacks;
 pub(super) mod validate;
+pub(super) mod verdict_rows;
 pub(super) mod words_of_map;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::blob::{unpack, unpack_array};
+use super::clock::stamp_of_micros;
 use super::column::integers_of;
 use super::decode::{self, point};
 use super::frame_rows;
@@ -132,7 +133,7 @@ impl Store {
 
     /// Returns the kept answer of a loop query.
     pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        let select = "select body from loop_queries where id = $2
+        let select = "select body from loop_queries where id = $2 and body is not null
             and map_key in (select $1 union all select release_key from releases where map_key = $1) limit 1";
         let found: Option<Vec<u8>> =
             sql::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
@@ -202,7 +203,11 @@ impl Store {
     }
 
     /// Names the map in an error about one of its rows.
-    async fn of_map<T>(&self, map: MapKey, read: Result<T, StoreError>) -> Result<T, StoreError> {
+    pub(in crate::store) async fn of_map<T>(
+        &self,
+        map: MapKey,
+        read: Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
         let Err(error @ StoreError::Corrupt(_)) = read else { return read };
         let select = "select id from maps where map_key = $1";
         let id: Option<String> = sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
@@ -293,6 +298,7 @@ pub(in crate::store) fn event(row: &Row) -> Result<Event, StoreError> {
         seq: row.try_get::<i64, _>("seq")? as u64,
         kind: EventKind::from_name(kind).ok_or_else(|| StoreError::corrupt(format!("event {kind}")))?,
         map_version: row.try_get::<i64, _>("map_version")? as u64,
+        told: Some(stamp_of_micros(row.try_get("told_us")?)),
         anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
         other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
         keyframe: id("keyframe")?.map(decode::id).transpose()?,

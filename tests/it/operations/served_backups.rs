@@ -52,6 +52,14 @@ async fn a_backup_is_named_by_its_id_and_a_retry_finds_it() {
     assert_eq!(ids(&list), [unnamed.json()["id"].as_str().unwrap()], "the newest first");
     let rest = api.get(&format!("/v1/backups?cursor={}", list["next_cursor"].as_str().unwrap())).await.json();
     assert_eq!((ids(&rest), &rest["next_cursor"]), (vec!["before"], &Value::Null));
+
+    assert!(!api.get("/metrics").await.text().contains("revisit_newest_backup_seconds 0\n"));
+    for status in [204, 404] {
+        let deleted = Answer::unless_gone(api.request(Method::DELETE, "/v1/backups/before")).await;
+        assert_eq!(deleted.expect("an answer").status, status);
+    }
+    assert!(!file.exists() && !file.with_extension("json").exists());
+    assert_eq!(ids(&api.get("/v1/backups").await.json()), [unnamed.json()["id"].as_str().unwrap()]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -105,6 +105,7 @@ async fn keys_outlive_a_restart_and_no_secret_is_in_the_database() {
 #[tokio::test]
 async fn keys_are_made_listed_and_revoked_over_http() {
     let server = Server::start().await;
+    server.get("/v1/keys/me").await.expect(404);
     let body = json!({"name": "root", "actions": ["read", "write", "query", "admin"]});
     let root = server.post("/v1/keys", &body).await.expect(201);
     let secret = root["secret"].as_str().expect("a secret");
@@ -149,7 +150,24 @@ async fn keys_are_made_listed_and_revoked_over_http() {
         Answer::of(server.request(Method::DELETE, &format!("/v1/keys/{id}")).bearer_auth(secret)).await
     };
     let robots = robots.as_str().expect("a secret");
-    get(&server, "/v1/maps", robots).await.expect(200);
+    let unused = get(&server, "/v1/keys?limit=1&cursor=key-2", secret).await.expect(200);
+    assert!(unused["items"][0].get("last_used").is_none(), "{unused:#}");
+    let maps = get(&server, "/v1/maps", robots).await.expect(200);
+    assert_eq!(
+        (&maps["items"], &maps["covered"]),
+        (&json!([]), &full["maps"]),
+        "an empty list says what it may hold"
+    );
+    assert!(get(&server, "/v1/maps", secret).await.expect(200).get("covered").is_none());
+    let own = get(&server, "/v1/keys/me", robots).await.expect(200);
+    assert_eq!(
+        (&own["id"], &own["actions"], &own["maps"]),
+        (&json!("key-2"), &full["actions"], &full["maps"])
+    );
+    let used = get(&server, "/v1/keys?limit=1&cursor=key-2", secret).await.expect(200);
+    assert!(used["items"][0]["last_used"]["sec"].as_i64() > Some(1_700_000_000), "{used:#}");
+    let metrics = Answer::text(server.request(Method::GET, "/metrics")).await;
+    assert!(metrics.contains("revisit_key_requests_total{key=\"key-2\"} 2\n"), "{metrics}");
     revoke("key-2").await.expect(204);
     get(&server, "/v1/maps", robots).await.expect(401);
     revoke("key-2").await.expect(204);

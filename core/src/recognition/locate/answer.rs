@@ -8,7 +8,7 @@ use crate::domain::counted::counted;
 use crate::domain::ids::KeyframeId;
 use crate::domain::location::{Location, LocationVerdict, Place, PlanPose};
 use crate::domain::verdict::{Candidate, Reason, ReasonCode};
-use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
+use crate::recognition::loops::evidence::geometry_skipped;
 use crate::recognition::odds::log_odds::LogOdds;
 use crate::recognition::odds::sum::Sum;
 use crate::recognition::odds::why::why_there;
@@ -115,8 +115,18 @@ fn reason(
     confidence: f64,
 ) -> Option<Reason> {
     let Some(first) = joined.first() else {
-        let empty_bow = searches.iter().all(|search| search.is_without_words);
-        return Some(no_candidates(empty_bow));
+        let (code, detail) = if !searches.is_empty() && searches.iter().all(|search| search.is_without_words)
+        {
+            let detail = "no word of the query could be compared, for it has none or they are of another vocabulary than the maps', \
+                and no anchor it sees was seen before";
+            (ReasonCode::EmptyBow, detail)
+        } else {
+            (
+                ReasonCode::NoCandidates,
+                "no keyframe that may answer shares a word or an anchor with the query",
+            )
+        };
+        return Some(Reason { code, measured: None, limit: None, detail: detail.to_owned() });
     };
     let (code, detail) = match verdict {
         LocationVerdict::Located => return None,

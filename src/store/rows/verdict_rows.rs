@@ -1,0 +1,171 @@
+//! The rows of verdicts: answers of loop queries, whole while they are new, and a line of each for long.
+
+use serde::Deserialize;
+
+use super::bulk_insert::write_rows;
+use super::clock::{micros_now, stamp_of_micros};
+use super::decode;
+use super::statement::run;
+use crate::domain::ids::KeyframeId;
+use crate::domain::reason::ReasonCode;
+use crate::domain::verdict::Decision;
+use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
+use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection, Row};
+use crate::store::{Store, StoreError};
+
+/// Whole answers of a map are kept up to this number, oldest out first.
+const WHOLE_KEPT: i64 = 1_000;
+
+/// Lines of a map are kept up to this number, oldest out first.
+const LINES_KEPT: i64 = 100_000;
+
+/// Rows between two removals of old ones.
+const SWEPT_EVERY: i64 = 16;
+
+/// The answer of a loop query, to be kept.
+pub(in crate::store) struct KeptQuery<'j> {
+    pub map: MapKey,
+    pub id: &'j str,
+    /// Its number in the map, by age.
+    pub kept: i64,
+    pub line: &'j VerdictLine,
+    pub body: &'j [u8],
+}
+
+/// The parts of an answer that its line has.
+#[derive(Deserialize)]
+struct Answer {
+    keyframe: Option<KeyframeName>,
+    map_version: u64,
+    verdict: String,
+    why: String,
+    best: Option<KeyframeName>,
+    reason: Option<Code>,
+    candidates: Vec<Candidate>,
+}
+
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct KeyframeName(String);
+
+#[derive(Deserialize)]
+struct Code {
+    code: String,
+}
+
+#[derive(Deserialize)]
+struct Candidate {
+    keyframe: KeyframeName,
+    reason: Option<Code>,
+}
+
+/// Returns the line of an answer, as it was sent; none of what is no answer.
+pub fn line_of(answer: &[u8]) -> Option<VerdictLine> {
+    let answer: Answer = serde_json::from_slice(answer).ok()?;
+    let id = |name: KeyframeName| name.0.parse::<KeyframeId>().ok();
+    // Candidates come the best first. One that is a loop has no reason.
+    let (likeliest, stopped_by) = match answer.candidates.into_iter().next() {
+        Some(candidate) => (Some(candidate.keyframe), candidate.reason),
+        None => (None, None),
+    };
+    Some(VerdictLine {
+        keyframe: answer.keyframe.and_then(id),
+        candidate: answer.best.or(likeliest).and_then(id),
+        map_version: answer.map_version,
+        decision: Decision::from_name(&answer.verdict)?,
+        reason: answer.reason.or(stopped_by).and_then(|reason| ReasonCode::from_name(&reason.code)),
+        why: answer.why,
+    })
+}
+
+/// Writes answers with their lines, and takes out what is too old.
+pub(in crate::store) async fn keep(db: &mut Connection, queries: &[KeptQuery<'_>]) -> Result<(), StoreError> {
+    // A map may be gone by now: then there is nothing to keep.
+    let head = "insert into loop_queries
+        (map_key, id, kept, asked_us, keyframe, candidate, map_version, verdict, reason, why, body)
+        select column1, column2, column3, column4, column5, column6, column7, column8, column9, column10, column11 from (";
+    let tail = ") as given where exists (select 1 from maps where map_key = column1 and deleted = 0)
+        on conflict (map_key, id) do update
+        set kept = excluded.kept, asked_us = excluded.asked_us, body = excluded.body";
+    let now = micros_now();
+    write_rows(db, head, tail, queries, |row, query| {
+        let text = |id: &KeyframeId| id.as_str().to_owned();
+        row.push_bind(query.map).push_bind(query.id.to_owned()).push_bind(query.kept).push_bind(now);
+        row.push_bind(query.line.keyframe.as_ref().map(text))
+            .push_bind(query.line.candidate.as_ref().map(text));
+        row.push_bind(query.line.map_version as i64).push_bind(query.line.decision.as_str());
+        row.push_bind(query.line.reason.map(ReasonCode::as_str)).push_bind(query.line.why.clone());
+        row.push_bind(query.body.to_vec());
+    })
+    .await?;
+    for query in queries.iter().filter(|query| query.kept % SWEPT_EVERY == 0) {
+        // Looks back as far as several removals that were missed.
+        let forget = "update loop_queries set body = null
+            where map_key = $1 and kept > $2 and kept <= $3 and body is not null";
+        let oldest = query.kept - WHOLE_KEPT + SWEPT_EVERY;
+        let from = oldest - 8 * SWEPT_EVERY;
+        run(db, sql::query(forget).bind(query.map).bind(from).bind(oldest)).await?;
+        let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
+        run(db, sql::query(sweep).bind(query.map).bind(query.kept - LINES_KEPT + SWEPT_EVERY)).await?;
+    }
+    Ok(())
+}
+
+impl Store {
+    /// Returns the lines of a map's verdicts before one, the newest first, each with its number.
+    pub async fn verdicts(
+        &self,
+        map: MapKey,
+        filter: &VerdictFilter,
+        before: i64,
+        limit: usize,
+    ) -> Result<Vec<(i64, ListedVerdict)>, StoreError> {
+        let select = "select q.kept, q.id, q.asked_us, q.keyframe, q.candidate, q.map_version, q.verdict, q.reason, q.why,
+            case when q.body is null then 0 else 1 end as is_whole, s.id as session
+            from loop_queries q
+            left join keyframes k on k.map_key = q.map_key and k.id = q.keyframe
+            left join sessions s on s.map_key = k.map_key and s.session = k.session
+            where q.map_key = $1 and q.kept < $2
+            and ($3 = '' or q.verdict = $3) and ($4 = '' or q.reason = $4) and ($5 = '' or s.id = $5)
+            and q.asked_us >= $6 and q.asked_us < $7
+            order by q.kept desc limit $8";
+        let micros = |seconds: i64| seconds.saturating_mul(1_000_000);
+        let query = sql::query(select)
+            .bind(map)
+            .bind(before)
+            .bind(filter.decision.map_or("", Decision::as_str))
+            .bind(filter.reason.map_or("", ReasonCode::as_str))
+            .bind(filter.session.as_ref().map_or("", |session| session.as_str()))
+            .bind(filter.since_s.map_or(0, micros))
+            .bind(filter.until_s.map_or(i64::MAX, micros))
+            .bind(limit as i64);
+        let rows = query.fetch_all(&self.readers).await?;
+        let found = rows.iter().map(listed).collect();
+        self.of_map(map, found).await
+    }
+}
+
+fn listed(row: &Row) -> Result<(i64, ListedVerdict), StoreError> {
+    let id = |column: &str| -> Result<Option<KeyframeId>, StoreError> {
+        row.try_get::<Option<&str>, _>(column)?.map(decode::id).transpose()
+    };
+    let unknown = |name: &str| StoreError::corrupt(format!("verdict {name}"));
+    let (verdict, reason): (&str, Option<&str>) = (row.try_get("verdict")?, row.try_get("reason")?);
+    let line = VerdictLine {
+        keyframe: id("keyframe")?,
+        candidate: id("candidate")?,
+        map_version: row.try_get::<i64, _>("map_version")? as u64,
+        decision: Decision::from_name(verdict).ok_or_else(|| unknown(verdict))?,
+        reason: reason.map(|name| ReasonCode::from_name(name).ok_or_else(|| unknown(name))).transpose()?,
+        why: row.try_get("why")?,
+    };
+    let listed = ListedVerdict {
+        query: row.try_get("id")?,
+        asked: stamp_of_micros(row.try_get("asked_us")?),
+        session: row.try_get::<Option<&str>, _>("session")?.map(decode::id).transpose()?,
+        is_whole: row.try_get::<i64, _>("is_whole")? != 0,
+        line,
+    };
+    Ok((row.try_get("kept")?, listed))
+}
