@@ -13,6 +13,7 @@ export async function fetchInTurn(address, options) {
     const response = await fetch(address, options);
     if (response.status !== BUSY || tries === TRIES) return response;
     const seconds = Number(response.headers.get("retry-after")) || 1;
-    turn = queue = queue.then(() => new Promise((resume) => { setTimeout(resume, seconds * 1000); }));
+    // Nobody waits for a request that was given up.
+    turn = queue = queue.then(() => (options?.signal?.aborted ? null : new Promise((resume) => { setTimeout(resume, seconds * 1000); })));
   }
 }
