@@ -13,6 +13,7 @@ const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-1", loop: "loop-1
 /** What is deleted is made for it, so that the rest of the page still finds what it speaks of. */
 const OWN_SAMPLES = {
   delete_map: { map: "annex" },
+  delete_backup: { id: "before-the-upgrade" },
   delete_keyframe: { keyframe: "kf-121" },
   delete_release: { release: "2026-10" },
   get_changes: { since: "2026-11" },
@@ -46,6 +47,7 @@ const BEFORE = {
 /** What a reader must know. `status` is what a server answers that was started without options, where it is no success. */
 const NOTES = {
   take_backup: { text: "Needs a server that was started with `--backups FOLDER`; any other answers 409.", status: 409 },
+  delete_backup: { text: "A server without `--backups FOLDER` has none and answers 404.", status: 404 },
   listen: { text: "The stream goes on until you stop it (Ctrl-C)." },
   create_key: {
     text: `Keep the secret of the answer: \`export ${KEY}=revisit_…\`. The commands below send it, and those above need it from now on.`,

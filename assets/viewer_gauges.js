@@ -28,10 +28,15 @@ function row(name, measured, limit, isWell, words) {
     el("div", { class: "bar", "aria-hidden": "true" }, filled, line));
 }
 
-/** The three checks of a candidate in figures. */
-export function checksInFigures({ bow, global, anchors, geometry, reason }, settings) {
+/** The checks of a candidate in figures. Where a sum of evidence decides, S does not, and the confidence stands in its place. */
+export function checksInFigures({ bow, global, anchors, geometry, reason, confidence }, settings) {
+  const decided = typeof confidence === "number" ? sure(confidence, settings) : similarity(anchors);
   return el("div", { class: "gauges figures-of" },
-    appearance(bow, global, settings), similarity(anchors), inliers(geometry, reason, settings));
+    appearance(bow, global, settings), decided, inliers(geometry, reason, settings));
+}
+
+function sure(confidence, { loop_min_confidence: needed }) {
+  return least("confidence", confidence, needed, confidence >= needed, `${number(confidence, 3)}, ${number(needed, 3)} needed`);
 }
 
 function plain(name, words) {
@@ -39,10 +44,10 @@ function plain(name, words) {
 }
 
 function appearance(bow, global, { candidates_min_score_ratio: ratio }) {
-  if (!bow) return plain("appearance", `cosine ${number(global?.similarity ?? 0, 3)}`);
+  if (!bow) return plain("looks alike", `cosine ${number(global?.similarity ?? 0, 3)}`);
   const limit = ratio * bow.reference_score;
-  if (limit === 0) return plain("appearance", `${number(bow.score, 3)}, no least score`);
-  return least("appearance", bow.score, limit, bow.score >= limit, `${number(bow.score, 3)}, ${number(limit, 3)} needed`);
+  if (limit === 0) return plain("looks alike", number(bow.score, 3));
+  return least("looks alike", bow.score, limit, bow.score >= limit, `${number(bow.score, 3)}, ${number(limit, 3)} needed`);
 }
 
 function similarity(anchors) {

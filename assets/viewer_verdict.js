@@ -129,7 +129,7 @@ function anchors({ anchors: figures, confidence, reason }, { refs, described }) 
   const state = stoppedByAnchors(reason) ?? (agrees ? "pass" : empty ? "none" : "open");
   const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
   const degrees = (radians) => number(radians * 180 / Math.PI, 0);
-  return check(state, title, empty ? "" : `S = ${number(similarity)}`,
+  return check(state, title, decides ? `S = ${number(similarity)}` : "",
     decides && bar(similarity, threshold),
     el("p", {}, `${count(here, "described anchor")} here, ${there} there`, pending > 0 && `, ${pending} not described yet`,
       decides ? ["; S must exceed ", number(threshold), "."] : "."),

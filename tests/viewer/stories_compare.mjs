@@ -38,7 +38,7 @@ export const comparing = {
     assert.match(rows[0], /contradicts.*930.*903/s);
     assert.match(rows[1], /agrees.*0° of 60°.*0 m of 1 m/s);
     assert.equal(await page.locator("dialog .compared > li").nth(1).locator(".crop canvas").count(), 2);
-    assert.match(await page.textContent("dialog .figures-of"), /anchors, S.*more than 0\.3 needed.*geometrydid not run/s);
+    assert.match(await page.textContent("dialog .figures-of"), /confidence.*0\.99 needed.*geometrydid not run/s);
     await page.keyboard.press("Escape");
     assert.equal(await page.locator("dialog[open]").count(), 0);
     // The keyboard is back where it was.
@@ -57,7 +57,7 @@ export const comparing = {
         marks: [...document.querySelectorAll("svg.views [data-kind=contradicts] circle")].map((mark) => mark.getAttribute("fill")),
       }));
       assert.ok(marks.length >= 2 && marks.every((colour) => colour === red), `${marks} are ${red}`);
-      assert.match(await page.textContent("dialog .figures-of .gauge.off"), /anchors, S.*✕ 0, more than 0\.3 needed/s);
+      assert.match(await page.textContent("dialog .figures-of .gauge.off"), /confidence✕ 0[.\d]*, 0\.99 needed/s);
       assert.match(await page.locator("dialog li.contradicts").first().textContent(), /reads 901 where 903 hung.*901.*903/s);
       // Something stands too far off to be one pair, and by how much is said.
       assert.match(await page.locator("dialog .compared .gauge.off").first().textContent(), /distance apart✕ [\d.]+ m of 1 m/);
@@ -84,7 +84,7 @@ export const comparing = {
     // The reason's own limit comes first, then the map's way to accept.
     const few = { code: "too_few_inliers", measured: 12, limit: 31 };
     assert.deepEqual(await figures({ status: "failed", inliers: 12, log10_false_alarms: -3 }, few, significant),
-      ["gauge off: appearance ✕ 0.2, 0.24 needed", "gauge: anchors, S not reached", "gauge off: inliers ✕ 12, 31 needed"]);
+      ["gauge off: looks alike ✕ 0.2, 0.24 needed", "gauge: anchors, S not reached", "gauge off: inliers ✕ 12, 31 needed"]);
     assert.equal((await figures({ status: "verified", inliers: 143, log10_false_alarms: -80 }, undefined, significant)).at(-1),
       "gauge: 143 inliers by chance less than once in a million");
     assert.equal((await figures({ status: "failed", inliers: 12, log10_false_alarms: -3 }, undefined, significant)).at(-1),
