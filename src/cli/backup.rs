@@ -73,11 +73,8 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
     }
     let copied = copy.place(&args.file, args.force)?;
     // A running server tells its age. Where the folder is read-only, the backup is none the worse.
-    if let Err(error) = std::fs::write(database.backup_mark(), "") {
-        eprintln!(
-            "the server's metrics will not know of this backup: {}: {error}",
-            database.backup_mark().display()
-        );
+    if let Err(error) = database.mark_backup() {
+        eprintln!("the server's metrics will not know of this backup: {error}");
     }
     let (file, holds, verified) = (args.file.display(), report(&copied), verified(&copied));
     Ok(write_out(&format!(

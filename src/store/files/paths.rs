@@ -5,7 +5,7 @@ use std::fs::OpenOptions;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use sqlx::sqlite::SqliteConnectOptions;
 
@@ -80,6 +80,16 @@ impl DatabaseFiles {
         let mut mark = self.database.as_os_str().to_owned();
         mark.push("-backup-taken");
         PathBuf::from(mark)
+    }
+
+    /// Notes that `revisit backup` has taken a copy now.
+    pub fn mark_backup(&self) -> Result<(), StoreError> {
+        let mark = self.backup_mark();
+        let touch = || {
+            let file = private().create(true).truncate(false).open(&mark)?;
+            file.set_modified(SystemTime::now())
+        };
+        touch().map_err(|error| StoreError::file(&mark, &error))
     }
 
     /// Returns how many bytes its disk has left for this process; none if that is not known.

@@ -47,6 +47,8 @@ async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
         assert!(told.contains(&format!("1 map, {}", counted(held.keyframes, "keyframe"))), "{told}");
     }
     writing.abort();
+    let metrics = server.api().get("/metrics").await.text();
+    assert!(!metrics.contains("revisit_newest_backup_seconds 0\n"), "the server knows of it: {metrics}");
     assert!(
         !names(at.folder.path()).iter().any(|name| name.contains("partial")),
         "{:?}",
