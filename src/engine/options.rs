@@ -67,9 +67,14 @@ impl ServiceOptions {
         }
     }
 
-    /// Returns the options of a service that writes of an answer its id only.
+    /// Returns the options of a service that writes of an answer its id, and what a list shows of it.
     #[cfg(test)]
     pub(super) fn for_tests(database: impl Into<String>) -> Self {
-        Self::on(database, |id, _, _| serde_json::to_vec(&serde_json::json!({ "id": id })))
+        Self::on(database, |id, _, verdict| {
+            let (decision, why) = (verdict.decision.as_str(), &verdict.why);
+            serde_json::to_vec(&serde_json::json!({
+                "id": id, "map_version": verdict.map_version, "verdict": decision, "why": why, "candidates": []
+            }))
+        })
     }
 }

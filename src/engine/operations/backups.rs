@@ -57,10 +57,8 @@ impl Service {
             || ServiceError::NotFound("there is no such backup; GET /v1/backups lists them".to_owned());
         let Some(backups) = self.backups.clone() else { return Err(missing()) };
         let delete = move || backups.delete(&id);
-        match spawn_blocking(delete).await.map_err(ServiceError::panicked)?? {
-            true => Ok(()),
-            false => Err(missing()),
-        }
+        let is_deleted = spawn_blocking(delete).await.map_err(ServiceError::panicked)??;
+        if is_deleted { Ok(()) } else { Err(missing()) }
     }
 
     /// Returns the backups, the newest first.
