@@ -145,8 +145,9 @@ export const daily = {
     await page.goto(`${server.url}/?map=tower&keyframe=robot-2-1`);
     await page.waitForSelector("#live[data-state=live]");
     assert.match(await page.textContent("#figures"), /21 keyframes.*1 loop/s);
-    // Seven for the map, and two for the keyframe.
-    assert.ok(asked.size <= 9, [...asked].join());
+    // Seven for the map, and two for the keyframe; the pictures of its signs come as they are seen.
+    const needed = [...asked].filter((url) => !url.endsWith("/crop"));
+    assert.ok(needed.length <= 9, needed.join());
     await page.waitForSelector("#details table");
     await page.click("text=Is it a loop?");
     await page.waitForSelector(".candidates");
