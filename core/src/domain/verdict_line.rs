@@ -33,7 +33,7 @@ pub struct ListedVerdict {
     pub session: Option<SessionId>,
     /// Whether the whole answer is still kept.
     pub is_whole: bool,
-    /// What it says.
+    /// The verdict itself.
     pub line: VerdictLine,
 }
 

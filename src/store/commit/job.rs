@@ -254,7 +254,7 @@ pub enum Job {
         id: String,
         /// Its number in the map, by age.
         kept: i64,
-        /// What a list shows of it.
+        /// The line that a list shows of it.
         line: VerdictLine,
         /// The answer, as sent.
         body: bytes::Bytes,
