@@ -22,7 +22,7 @@ class Wanted:
 
     def name(self, path: Path) -> str:
         """Return what sessions are called: as was asked, or after the file."""
-        return self.session or plain_id((path.resolve().stem or "map")[:MAX_SESSION], path)
+        return self.session or plain_id(path.resolve().stem or "map", MAX_SESSION)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 
 from ..errors import RevisitError
 from .camera import Calibration, Camera
-from .ids import plain_id
+from .ids import ids_of
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
 
@@ -110,18 +109,10 @@ def list_frames(folder: Path) -> list[Frame]:
 
 def frames_of(paths: Iterable[Path], folder: Path) -> list[Frame]:
     """Return photographs below `folder` as frames, by folder, video and number."""
-    paths = sorted(paths)
-    # Two folders may both have a 0001.jpg: then the folder's name goes before it.
-    twice = {stem for stem, count in Counter(path.stem for path in paths).items() if count > 1}
-    frames, taken = [], {}
-    for path in paths:
-        inside = path.relative_to(folder)
-        id = plain_id(".".join((*inside.parts[:-1], path.stem)) if path.stem in twice else path.stem, path)
-        if id in taken:
-            raise RevisitError(f"{path} and {taken[id]} both become keyframe {id}: rename one")
-        taken[id] = path
+    frames = []
+    for path, id in ids_of(paths, folder).items():
         video, number = split_number(path.stem)
-        frames.append(Frame(id, path, "/".join((*inside.parts[:-1], video)), number))
+        frames.append(Frame(id, path, "/".join((*path.relative_to(folder).parts[:-1], video)), number))
     return sorted(frames, key=lambda frame: (frame.path.parent, frame.video, frame.number, frame.id))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...needed import needed
-from ...pixels.ids import plain_id
+from ...pixels.ids import ids_of_names, plain_id
 from ..damage import told_of
 from ..limits import MAX_KEYFRAMES
 from ..observation import SECOND_NS, Observation
@@ -97,7 +97,6 @@ def open_database(path: Path, wanted: Wanted) -> Opened:
 def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
     pairs, without = Pairs(path), 0
     earlier: dict[str, str] = {}
-    ids: set[str] = set()
     session = wanted.name(path)
     with reading(path) as connection:
         cameras = {}
@@ -106,6 +105,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -
             if not all(isinstance(value, int) for value in (model, width, height)) or not isinstance(params, bytes) or len(params) % 8:
                 raise RevisitError(f"{where}: its model, size and parameters are of another kind")
             cameras[id] = pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where)[0]
+        ids = ids_of_names(str(name) for (name,) in connection.execute("select name from images"))
         columns = ", ".join(("name", "camera_id", *PRIOR)) if has_priors else "name, camera_id"
         for number, (name, camera, *prior) in enumerate(connection.execute(f"select {columns} from images order by name"), 1):
             where = f"{path}: image {name}"
@@ -113,16 +113,15 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -
                 raise RevisitError(f"{where} is of camera {camera}, which is not in it")
             pose = _prior(prior, wanted.metres_per_unit or 1.0, where)
             without += pose is None
-            id = plain_id(Path(str(name)).with_suffix("").as_posix().replace("/", "."), Path(str(name)))
-            if id in ids:
-                raise RevisitError(f"{where} and another both become keyframe {id}")
+            id = ids[str(name)]
+            if str(name) in earlier:
+                raise RevisitError(f"{where} is in it twice")
             yield Observation(
                 # What nothing places against the others is a session of its own: none of its distances mean anything.
-                id, session if pose is not None else plain_id(f"{session}-{number}", path), number * SECOND_NS,
+                id, session if pose is not None else plain_id(f"{session}-{number}"), number * SECOND_NS,
                 np.eye(4) if pose is None else pose, cameras[camera], covisible=pairs.earlier(str(name), earlier),
             )  # fmt: skip
             earlier[str(name)] = id
-            ids.add(id)
     if without:
         notes.append(
             f"{without} images have no prior pose: each is a session of its own, at its origin; a model has poses "

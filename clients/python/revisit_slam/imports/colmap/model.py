@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import RevisitError
-from ...pixels.ids import MAX_ID, plain_id
+from ...pixels.ids import ids_of_names
 from ...pixels.stamps import named_time_ns
 from ..damage import told_of
 from ..observation import SECOND_NS, Observation
@@ -50,7 +50,10 @@ def open_model(model: Path, wanted: Wanted) -> Opened:
 def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
     cameras = files.cameras()
     images = sorted(files.images(), key=lambda image: image.name)
-    ids = _ids(model, images)
+    ids = ids_of_names(image.name for image in images)
+    twice = next((one.name for one, other in zip(images, images[1:]) if one.name == other.name), None)
+    if twice is not None:
+        raise RevisitError(f"{model}: two images are called {twice}")
     stamps = _stamps(images, notes)
     _tell_of_cameras(cameras, notes)
     pairs = Pairs(wanted.database) if wanted.database else None
@@ -87,24 +90,6 @@ def _pose(image: Image, scale: float, where: str) -> np.ndarray:
     world_from_camera = inverse(matrix(image.camera_from_world, (x, y, z, w), where))
     world_from_camera[:3, 3] = checked(world_from_camera[:3, 3] * scale, where)
     return world_from_camera
-
-
-def _ids(model: Path, images: list[Image]) -> dict[str, str]:
-    """Return the keyframe's id of each image: its path without the ending, folders before it."""
-    found: dict[str, str] = {}
-    taken: dict[str, str] = {}
-    for image in images:
-        if len(image.name) > MAX_ID:
-            raise RevisitError(f"{model}: an image's name has {len(image.name)} characters: {image.name[:MAX_ID]} ..")
-        inside = Path(image.name)
-        parts = [part for part in (*inside.parts[:-1], inside.stem) if part not in ("/", "..", ".")]
-        id = plain_id(".".join(parts), inside) if parts else ""
-        if not id:
-            raise RevisitError(f"{model}: an image has no name")
-        if id in taken:
-            raise RevisitError(f"{model}: images {taken[id]} and {image.name} both become keyframe {id}")
-        found[image.name], taken[id] = id, image.name
-    return found
 
 
 def _stamps(images: list[Image], notes: list[str]) -> dict[str, int]:

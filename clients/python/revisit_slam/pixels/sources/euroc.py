@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import Frame
-from ..ids import plain_id
+from ..ids import ids_of
 from ..trajectory import Trajectory
 from ...needed import needed
 from .source import Source, every
@@ -44,7 +44,9 @@ def _pictures(camera: Path, folder: Path) -> list[Frame]:
             stamp_ns, path = int(row[0]), camera / "data" / row[1].strip()
         except (ValueError, IndexError) as error:
             raise RevisitError(f"{camera / 'data.csv'}: no row of `nanoseconds,file`: {','.join(row)}") from error
-        frames.append(Frame(plain_id(path.stem, path), path, folder.resolve().name, number, stamp_ns))
+        frames.append(Frame("", path, folder.resolve().name, number, stamp_ns))
+    ids = ids_of((frame.path for frame in frames), camera / "data")
+    frames = [replace(frame, id=ids[frame.path]) for frame in frames]
     return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
 
 

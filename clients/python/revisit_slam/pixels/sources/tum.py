@@ -9,7 +9,7 @@ from pathlib import Path
 from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import DepthImage, Frame
-from ..ids import plain_id
+from ..ids import ids_of
 from ..trajectory import Trajectory, nanoseconds, read_tum
 from .source import Source, every
 
@@ -25,8 +25,9 @@ def open_tum(folder: Path, calibration: Calibration | None, trajectory: Trajecto
     pictures = _listed(folder / "rgb.txt")
     depths = _listed(folder / "depth.txt", may_be_empty=True) if (folder / "depth.txt").exists() else []
     video, calibration = folder.resolve().name, calibration or DEFAULT
+    ids = ids_of((path for _, path in pictures), folder)
     frames = [
-        Frame(plain_id(path.stem, path), path, video, number, stamp_ns, calibration=calibration)
+        Frame(ids[path], path, video, number, stamp_ns, calibration=calibration)
         for number, (stamp_ns, path) in enumerate(pictures, 1)
     ]
     frames = [replace(frame, depth=_nearest(depths, frame.stamp_ns or 0)) for frame in every(frames, every_s)]

@@ -41,7 +41,7 @@ def open_video(
             if not done:
                 unread += 1
                 continue
-            name = plain_id(f"{file.stem}-{number:06}", file)
+            name = plain_id(f"{file.stem}-{number:06}")
             path = save(image, work / f"{name}.jpg")
             origin = f"{file}, picture {number}"
             frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))

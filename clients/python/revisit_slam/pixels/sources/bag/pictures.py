@@ -50,7 +50,7 @@ def frames_of(recording: Recording, topic: str, calibration: Calibration | None,
     for number, (stamp_ns, message) in enumerate(recording.messages(topic)):
         if too_near(frames, stamp_ns, every_s):
             continue
-        name = plain_id(f"{file.stem}-{number:06}", file)
+        name = plain_id(f"{file.stem}-{number:06}")
         origin = f"{file}, picture {number} of {topic}"
         path = _save(message, work / f"{name}.jpg", origin)
         frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))

@@ -1,0 +1,86 @@
+"""Files of other people: their text, their rows, and what a file is that is not what it should be."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+from pathlib import Path
+
+from .errors import RevisitError
+
+# How a text may begin: marks of the encodings that Windows writes. The longer marks come first.
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
+)  # fmt: skip
+# How files begin, what they are, and what to do with them.
+BEGINNINGS = (
+    (b"version https://git-lfs", "a pointer of Git LFS: `git lfs pull` fetches the file itself"),
+    (b"\x28\xb5\x2f\xfd", "compressed with zstd: unpack it (`zstd -d`)"),
+    (b"\x1f\x8b", "compressed with gzip: unpack it (`gunzip`)"),
+    (b"BZh", "compressed with bzip2: unpack it (`bunzip2`)"),
+    (b"PK\x03\x04", "a zip archive: unpack it"),
+    (b"\xfd7zXZ", "compressed with xz: unpack it (`unxz`)"),
+    (b"\x89MCAP0\r\n", "a ROS 2 recording (MCAP)"),
+    (b"#ROSBAG", "a ROS 1 bag"),
+    (b"SQLite format 3\0", "an SQLite database"),
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"GIF8", "a GIF picture"),
+    (b"%PDF", "a PDF document"),
+    (b"<!DOCTYPE html", "a web page"),
+    (b"<html", "a web page"),
+    (b"<?xml", "an XML document"),
+)
+FIRST_BYTES = 64
+# The signs between a table's columns: a comma, Excel's semicolon, a tabulator.
+SEPARATORS = ",;\t"
+
+
+def what_is(first: bytes) -> str:
+    """Return what a file looks like by its first bytes, with the next step; nothing where that is not known."""
+    if not first:
+        return "empty"
+    if first[4:8] == b"ftyp" and first[8:11] in (b"hei", b"hev", b"mif", b"msf", b"avi"):
+        return "a HEIC or AVIF picture"
+    return next((told for begins, told in BEGINNINGS if first.lower().startswith(begins.lower())), "")
+
+
+def first_bytes(path: Path) -> bytes:
+    """Return how a file begins."""
+    try:
+        with path.open("rb") as file:
+            return file.read(FIRST_BYTES)
+    except OSError as error:
+        raise RevisitError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def text_of(path: Path, form: str = "a text") -> str:
+    """Return a file's text, in UTF-8 or with the mark of another encoding; `form` says what it should be.
+
+    Raises:
+        RevisitError: It cannot be read, or is no text; the error says what it looks like.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise RevisitError(f"{path}: cannot be read: {error.strerror}; it should be {form}") from error
+    encoding = next((encoding for mark, encoding in MARKS if data.startswith(mark)), "utf-8")
+    try:
+        text = data.decode("utf-8-sig" if encoding == "utf-8" else encoding)
+    except UnicodeDecodeError as error:
+        told = what_is(data[:FIRST_BYTES]) or "no UTF-8: save it as UTF-8"
+        raise RevisitError(f"{path}: not {form}, but {told}") from error
+    if "\0" in text:
+        told = what_is(data[:FIRST_BYTES]) or "UTF-16 without its mark, or no text: save it as UTF-8"
+        raise RevisitError(f"{path}: not {form}, but {told}")
+    return text
+
+
+def rows_of(path: Path, form: str = "a table (CSV)") -> list[list[str]]:
+    """Return the rows of a table without blanks around its cells; comments and empty rows are left out."""
+    lines = [line for line in text_of(path, form).splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    if lines and lines[0].lower().startswith("sep="):  # Excel's own first line.
+        lines = lines[1:]
+    separator = max(SEPARATORS, key=lines[0].count) if lines else ","
+    return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
