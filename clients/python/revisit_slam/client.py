@@ -17,7 +17,7 @@ from .models import BulkLine, Event
 from .operations import Operations
 from .problems import ProblemError, ServerUnreachable, problem_of
 from .retries import Retries
-from .settings import DEFAULT_URL, EVENTS_SILENCE_S, EXPORT_SILENCE_S, TIMEOUT_S, http_settings
+from .settings import DEFAULT_URL, EVENTS_SILENCE_S, EXPORT_SILENCE_S, TIMEOUT_S, http_settings, proxy_to
 
 
 class Client(Operations):
@@ -146,4 +146,6 @@ class Client(Operations):
 
 def unreachable(url: httpx.URL, failure: Exception) -> ServerUnreachable:
     """Return the error for a server that gives no answer."""
-    return ServerUnreachable(f"no answer from {url}: {failure or type(failure).__name__}")
+    proxy = proxy_to(url)
+    way = f" by the environment's proxy {proxy.url} (NO_PROXY={url.host} goes without it)" if proxy else ""
+    return ServerUnreachable(f"no answer from {url}{way}: {failure or type(failure).__name__}")

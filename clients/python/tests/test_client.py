@@ -1,6 +1,7 @@
 """The client against the real server."""
 
 import asyncio
+import importlib.util
 import inspect
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from revisit_slam import AsyncClient, Client, ProblemError, Retries, Server, ServerUnreachable, models
+from revisit_slam import AsyncClient, Client, KeyframeSender, ProblemError, Retries, RevisitError, Server, ServerUnreachable, models
 from samples import keyframe
 from stand_in import stand_in
 
@@ -182,3 +183,151 @@ def test_a_server_that_is_not_there_is_one_clear_error() -> None:
     with Client("http://127.0.0.1:9", retries=Retries(total_s=0)) as client, pytest.raises(ServerUnreachable) as raised:
         client.readyz()
     assert "127.0.0.1:9" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("told", "base"),
+    [
+        ("localhost:7878", "http://localhost:7878"),
+        (" 127.0.0.1:7878\n", "http://127.0.0.1:7878"),
+        ("host", "http://host"),
+        ("[::1]:7878", "http://[::1]:7878"),
+        ("http://host:7878//", "http://host:7878"),
+        ("https://robots.example/revisit/", "https://robots.example/revisit"),
+        ("robots.example/a/b", "http://robots.example/a/b"),
+        *((wrong, None) for wrong in (
+            "", "  ", "/", "http://", "http:", "http:/host", "http//host:7878", "ftp://x", "://x", ":7878", "7878", "localhost:port",
+            "localhost:99999", "local host:7878", "http://[::1", "http://a..b", "http://host/?map=m", "*",
+        )),
+    ],
+)  # fmt: skip
+def test_an_address_is_taken_as_a_person_writes_it_or_refused_by_its_name(told: str, base: str | None) -> None:
+    for made in (Client, AsyncClient):
+        if base is not None:
+            assert str(made(told)._http.base_url).rstrip("/") == base
+            continue
+        with pytest.raises(RevisitError) as raised:
+            made(told)
+        assert repr(told) in str(raised.value) and "http://127.0.0.1:7878" in str(raised.value)
+
+
+def test_an_address_without_a_scheme_and_one_with_a_path_reach_the_server(server: Server) -> None:
+    with Client(f" {server.url.removeprefix('http://')}/ ") as client:
+        assert client.get_document()["openapi"]
+    with Client("robots.example/revisit/") as client:
+        assert str(client._http.build_request("GET", "/v1/maps").url) == "http://robots.example/revisit/v1/maps"
+
+
+PROXIES = ("http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY", "no_proxy", "NO_PROXY")
+
+
+@pytest.fixture
+def environment(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """An environment without any proxy."""
+    for name in PROXIES:
+        monkeypatch.delenv(name, raising=False)
+    return monkeypatch
+
+
+def made(url: str, tmp_path: Path) -> None:
+    """Make each class of client."""
+    with Client(url, retries=Retries(total_s=0)) as client:
+        KeyframeSender(client, "m", spill=tmp_path / "spill").close(0)
+    asyncio.run(AsyncClient(url).close())
+
+
+@pytest.mark.parametrize(
+    ("proxy", "cure"),
+    [
+        ("socks5://me:secret@127.0.0.1:1080", "pip install 'httpx[socks]'"),
+        ("socks5h://127.0.0.1:1080", "NO_PROXY=robot.example"),
+        ("socks4://127.0.0.1:1080", "http://HOST:PORT"),
+        ("ftp://127.0.0.1:21", "http://HOST:PORT"),
+        ("http://[::1", "http://HOST:PORT"),
+        ("http://127.0.0.1:port", "http://HOST:PORT"),
+        ("http://", "http://HOST:PORT"),
+    ],
+)
+def test_a_proxy_that_cannot_be_used_is_told_with_its_cure_where_it_is_on_the_way(
+    proxy: str, cure: str, environment: pytest.MonkeyPatch, tmp_path: Path, server: Server
+) -> None:
+    if proxy.startswith("socks5") and importlib.util.find_spec("socksio"):
+        pytest.skip("socks is there")
+    for name, scheme in (("ALL_PROXY", "https"), ("all_proxy", "http"), ("http_proxy", "http"), ("https_proxy", "https")):
+        for other in PROXIES:
+            environment.delenv(other, raising=False)
+        environment.setenv(name, proxy)
+        for make in (Client, AsyncClient):
+            with pytest.raises(RevisitError) as raised:
+                make(f"{scheme}://robot.example:7878")
+            told = str(raised.value)
+            assert name.upper() in told and cure in told and "NO_PROXY=robot.example" in told and "secret" not in told
+        made(server.url, tmp_path)
+        made("http://localhost:7878", tmp_path)
+        environment.setenv("NO_PROXY", "robot.example")
+        made(f"{scheme}://robot.example:7878", tmp_path)
+    for name in PROXIES:
+        environment.delenv(name, raising=False)
+    environment.setenv("https_proxy", proxy)
+    made("http://robot.example", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("url", "names", "is_named"),
+    [
+        ("http://robot.example:7878", "*", True),
+        ("http://robot.example:7878", "a, *", True),
+        ("http://robot.example:7878", "Robot.Example", True),
+        ("http://robot.example:7878", "other, .example", True),
+        ("http://robot.example:7878", "*.example", True),
+        ("http://robot.example:7878", "other example", True),
+        ("http://robot.example:7878", "robot.example:7878", True),
+        ("http://robot.example:7878", "robot.example:80", False),
+        ("http://robot.example", "robot.example:80", True),
+        ("https://robot.example", "https://robot.example:443", True),
+        ("http://robot.example:7878", "ot.example", False),
+        ("http://robot.example:7878", ",", False),
+        ("http://10.1.2.3:7878", "10.0.0.0/8", True),
+        ("http://10.1.2.3:7878", "10.1.2.3", True),
+        ("http://10.1.2.3:7878", "10.1.2.3:7878", True),
+        ("http://10.1.2.3:7878", "192.168.0.0/16,10.1.2.4", False),
+        ("http://[fd00::1]:7878", "fd00::/8", True),
+        ("http://[fd00::1]:7878", "[fd00:0::1]:7878", True),
+        ("http://[fd00::1]:7878", "fd01::1", False),
+        ("http://127.0.0.2:7878", "", True),
+        ("http://[::1]:7878", "", True),
+    ],
+)
+def test_no_proxy_holds_in_each_of_its_forms(url: str, names: str, is_named: bool, environment: pytest.MonkeyPatch) -> None:
+    environment.setenv("ALL_PROXY", "socks4://127.0.0.1:1")
+    environment.setenv("no_proxy", names)
+    if is_named:
+        Client(url).close()
+        return
+    with pytest.raises(RevisitError, match="ALL_PROXY"):
+        Client(url)
+
+
+def test_a_proxy_on_the_way_is_asked_and_named_when_it_is_down(environment: pytest.MonkeyPatch) -> None:
+    # Nobody knows robot.example: only the proxy can have answered.
+    with stand_in(lambda: (200, {}, b'{"openapi":"3"}')) as url:
+        environment.setenv("http_proxy", url.removeprefix("http://"))
+        with Client("robot.example:7878", retries=Retries(total_s=0)) as client:
+            assert client.get_document() == {"openapi": "3"}
+
+        async def wait() -> None:
+            async with AsyncClient("robot.example:7878/api", retries=Retries(total_s=0)) as client:
+                assert await client.get_document() == {"openapi": "3"}
+
+        asyncio.run(wait())
+    with Client("robot.example:7878", retries=Retries(total_s=0)) as client, pytest.raises(ServerUnreachable) as raised:
+        client.readyz()
+    assert url in str(raised.value) and "NO_PROXY=robot.example" in str(raised.value)
+
+
+def test_certificates_that_are_not_there_are_told_for_https_only(environment: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    environment.setenv("SSL_CERT_FILE", str(tmp_path / "none.pem"))
+    Client("http://robot.example").close()
+    for make in (Client, AsyncClient):
+        with pytest.raises(RevisitError, match="SSL_CERT_FILE"):
+            make("https://robot.example")
