@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import csv
+from collections.abc import Iterable
 from pathlib import Path
 
 from .errors import RevisitError
@@ -33,6 +34,8 @@ BEGINNINGS = (
     (b"<?xml", "an XML document"),
 )
 FIRST_BYTES = 64
+# What is written in letters, and is never the text that was meant.
+NO_TEXTS = (b"version https://git-lfs", b"<!doctype html", b"<html")
 # The signs between a table's columns: a comma, Excel's semicolon, a tabulator.
 SEPARATORS = ",;\t"
 
@@ -65,6 +68,8 @@ def text_of(path: Path, form: str = "a text") -> str:
         data = path.read_bytes()
     except OSError as error:
         raise RevisitError(f"{path}: cannot be read: {error.strerror}; it should be {form}") from error
+    if data[:FIRST_BYTES].lower().startswith(NO_TEXTS):
+        raise RevisitError(f"{path}: not {form}, but {what_is(data[:FIRST_BYTES])}")
     encoding = next((encoding for mark, encoding in MARKS if data.startswith(mark)), "utf-8")
     try:
         text = data.decode("utf-8-sig" if encoding == "utf-8" else encoding)
@@ -77,10 +82,36 @@ def text_of(path: Path, form: str = "a text") -> str:
     return text
 
 
+def not_a(form: str, path: Path) -> RevisitError:
+    """Return the error for a file that can be read, and is not what it should be."""
+    told = what_is(first_bytes(path))
+    return RevisitError(f"{path}: not {form}" + (f", but {told}" if told else ""))
+
+
 def rows_of(path: Path, form: str = "a table (CSV)") -> list[list[str]]:
     """Return the rows of a table without blanks around its cells; comments and empty rows are left out."""
-    lines = [line for line in text_of(path, form).splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    if lines and lines[0].lower().startswith("sep="):  # Excel's own first line.
-        lines = lines[1:]
-    separator = max(SEPARATORS, key=lines[0].count) if lines else ","
-    return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+    return [row for _, row in numbered_rows_of(path, form)]
+
+
+def numbered_rows_of(path: Path, form: str = "a table (CSV)") -> list[tuple[int, list[str]]]:
+    """Return the rows of a table, each with its line."""
+    kept = [(number, line) for number, line in enumerate(text_of(path, form).splitlines(), 1) if line.strip(" \t,;")]
+    kept = [(number, line) for number, line in kept if not line.lstrip().startswith("#")]
+    if kept and kept[0][1].lower().startswith("sep="):  # Excel's own first line.
+        kept = kept[1:]
+    separator = max(SEPARATORS, key=kept[0][1].count) if kept else ","
+    reader = csv.reader((line for _, line in kept), delimiter=separator)
+    try:
+        return [(kept[reader.line_num - 1][0], [cell.strip() for cell in row]) for row in reader]
+    except csv.Error as error:
+        raise RevisitError(f"{path}: not {form}: {error} (a quotation mark that is not closed?)") from error
+
+
+def records_of(path: Path, columns: Iterable[str]) -> list[tuple[int, dict[str, str]]]:
+    """Return each row of a table with its line: cells by the names in the first row, in small letters; `columns` must be there."""
+    (_, head), *rows = numbered_rows_of(path) or [(0, [])]
+    names = [name.lower() for name in head]
+    if not set(columns) <= set(names):
+        needed = " and ".join(f"`{column}`" for column in columns)
+        raise RevisitError(f"{path}: no columns {needed} in its first line, which is: {', '.join(head)[:200]}")
+    return [(line, {**dict.fromkeys(names, ""), **dict(zip(names, row))}) for line, row in rows]
