@@ -713,6 +713,12 @@ create table map_followers (
 create table followed_queries (
     map_key bigint not null,
     id text collate "C" not null,
+    keyframe text collate "C",
+    candidate text collate "C",
+    map_version bigint not null,
+    verdict text collate "C" not null,
+    reason text collate "C",
+    why text collate "C" not null,
     body bytea not null,
     constraint followed_queries_key primary key (map_key, id),
     constraint followed_queries_map foreign key (map_key) references maps (map_key) on delete cascade

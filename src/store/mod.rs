@@ -77,7 +77,7 @@ pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::release_rows::RELEASE_USES_MAX;
 pub use rows::transferred_rows::HeldMap;
 pub use rows::unpacks::unpacks;
-pub use rows::verdict_rows::line_of;
+pub use rows::verdict_rows::GivenAnswer;
 pub use rows::words_of_map::MapOutline;
 pub use sql::cell::Cell;
 pub use sql::connection::Engine;

@@ -3,7 +3,7 @@
 use super::ids::{KeyframeId, SessionId};
 use super::keyframe::Stamp;
 use super::reason::ReasonCode;
-use super::verdict::Decision;
+use super::verdict::{Decision, Verdict};
 
 /// A verdict in a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +20,23 @@ pub struct VerdictLine {
     pub reason: Option<ReasonCode>,
     /// One sentence for a person.
     pub why: String,
+}
+
+impl VerdictLine {
+    /// Returns the line of an answer about a keyframe of the map, or about one that came with the query.
+    pub fn of(keyframe: Option<&KeyframeId>, verdict: &Verdict) -> Self {
+        // Candidates come the best first. One that is a loop has no reason.
+        let likeliest = verdict.candidates.first();
+        let stopped_by = likeliest.and_then(|candidate| candidate.reason.as_ref());
+        Self {
+            keyframe: keyframe.cloned(),
+            candidate: verdict.best.as_ref().or(likeliest.map(|candidate| &candidate.keyframe)).cloned(),
+            map_version: verdict.map_version,
+            decision: verdict.decision,
+            reason: verdict.reason.as_ref().or(stopped_by).map(|reason| reason.code),
+            why: verdict.why.clone(),
+        }
+    }
 }
 
 /// A line of the list.

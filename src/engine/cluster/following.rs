@@ -13,7 +13,7 @@ use super::routing::Route;
 use crate::domain::ids::MapId;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
-use crate::store::News;
+use crate::store::{GivenAnswer, News};
 
 /// The longest wait for a version that is not there yet.
 const WAITS: Duration = Duration::from_secs(2);
@@ -187,14 +187,14 @@ impl Service {
     }
 
     /// Hands the answer of a loop query to the owner of its map, in the background.
-    pub(in crate::engine) fn hand_answer_on(&self, live: &LiveMap, id: &str, body: bytes::Bytes) {
+    pub(in crate::engine) fn hand_answer_on(&self, live: &LiveMap, given: GivenAnswer) {
         // One that cannot be handed on is not kept, as when the disk is full.
         let Ok(permit) = self.handing_on.clone().try_acquire_owned() else { return };
         let Some((rewrites, _)) = live.standing.followed_since() else { return };
-        let (store, map, id) = (self.store.clone(), live.key, id.to_owned());
+        let (store, map) = (self.store.clone(), live.key);
         tokio::spawn(async move {
             let _permit = permit;
-            if let Err(error) = store.hand_answer_on(map, rewrites, &id, &body).await {
+            if let Err(error) = store.hand_answer_on(map, rewrites, &given).await {
                 tracing::debug!(%error, "an answer was not handed on");
             }
         });
@@ -221,8 +221,8 @@ impl Service {
             if answers.is_empty() {
                 return Ok(());
             }
-            for (id, body) in answers {
-                live.keep_query(&self.store, &id, body.into());
+            for given in answers {
+                live.keep_query(&self.store, given);
             }
             self.store.committer().settled().await;
         }

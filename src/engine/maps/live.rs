@@ -27,7 +27,7 @@ use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
-use crate::store::{Batch, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError, line_of};
+use crate::store::{Batch, GivenAnswer, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
 
 /// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
 /// wait for one map's lock leave room for those of another.
@@ -357,22 +357,22 @@ impl LiveMap {
     }
 
     /// Keeps the answer of a loop query, written behind.
-    pub fn keep_query(self: &Arc<Self>, store: &Store, id: &str, body: Bytes) {
+    pub fn keep_query(self: &Arc<Self>, store: &Store, given: GivenAnswer) {
         if store.committer().refuses(false).is_some() {
             return;
         }
-        let Some(line) = line_of(&body) else { return };
+        let GivenAnswer { id, line, body } = given;
         {
             let mut under_way = self.lock_kept();
             // An id stands for its answer, to the byte: one on its way to the disk need not go twice.
-            if under_way.len() >= KEPT_UNDER_WAY_MAX || under_way.contains_key(id) {
+            if under_way.len() >= KEPT_UNDER_WAY_MAX || under_way.contains_key(&id) {
                 return;
             }
-            under_way.insert(id.to_owned(), body.clone());
+            under_way.insert(id.clone(), body.clone());
         }
         let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
-        let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, line, body };
-        let (live, id) = (self.clone(), id.to_owned());
+        let job = Job::KeepQuery { map: self.key, id: id.clone(), kept, line, body };
+        let live = self.clone();
         // Nobody waits for it: it shares the sync of what comes next.
         store.committer().submit_held(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
     }

@@ -11,10 +11,11 @@ use crate::domain::reason::ReasonCode;
 use crate::domain::report::Page;
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
-use crate::domain::verdict_line::{ListedVerdict, VerdictFilter};
+use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{QueryAnswer, Service, ServiceError};
+use crate::store::GivenAnswer;
 
 impl Service {
     /// Answers a loop query, and records the answer. Changes nothing else, and calls no model.
@@ -58,10 +59,12 @@ impl Service {
         let answer = self.answer(live, query).await?;
         self.verdicts.add(answer.verdict.decision);
         // Written behind, bounded, oldest out first.
+        let line = VerdictLine::of(answer.keyframe.as_ref(), &answer.verdict);
+        let given = GivenAnswer { id: answer.id.clone(), line, body: answer.body.clone() };
         if self.follows {
-            self.hand_answer_on(live, &answer.id, answer.body.clone());
+            self.hand_answer_on(live, given);
         } else {
-            live.keep_query(&self.store, &answer.id, answer.body.clone());
+            live.keep_query(&self.store, given);
         }
         Ok(answer)
     }

@@ -3,10 +3,12 @@
 use std::time::Duration;
 
 use super::key_list::list;
-use crate::domain::ids::MapId;
+use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::reason::ReasonCode;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::decode;
-use crate::store::sql;
+use crate::store::rows::verdict_rows::{GivenAnswer, line};
+use crate::store::sql::{self, Row};
 use crate::store::{Store, StoreError};
 
 /// A server counts as a follower so long after it last said so.
@@ -36,29 +38,36 @@ impl Store {
         &self,
         map: MapKey,
         rewrites: i64,
-        id: &str,
-        body: &[u8],
+        given: &GivenAnswer,
     ) -> Result<(), StoreError> {
         // A rewrite locks its row first: it waits for this, or this finds that it was.
-        let insert = "insert into followed_queries (map_key, id, body)
-            select m.map_key, $2, $3 from maps m join map_rewrites r using (map_key)
+        let insert = "insert into followed_queries 
+            (map_key, id, body, keyframe, candidate, map_version, verdict, reason, why)
+            select m.map_key, $2, $3, $6, $7, $8, $9, $10, $11 from maps m join map_rewrites r using (map_key)
             where m.map_key = $1 and m.deleted = 0 and r.rewritten = $5
             and (select count(*) from followed_queries where map_key = $1) < $4 for share of r
             on conflict do nothing";
-        let query = sql::query(insert).bind(map).bind(id).bind(body).bind(ANSWERS_MAX).bind(rewrites);
+        let (line, text) = (&given.line, KeyframeId::as_str);
+        let query = sql::query(insert).bind(map).bind(given.id.as_str()).bind(&given.body[..]);
+        let query = query.bind(ANSWERS_MAX).bind(rewrites);
+        let query = query.bind(line.keyframe.as_ref().map(text)).bind(line.candidate.as_ref().map(text));
+        let query = query.bind(line.map_version as i64).bind(line.decision.as_str());
+        let query = query.bind(line.reason.map(ReasonCode::as_str)).bind(line.why.as_str());
         query.execute(&self.readers).await?;
         Ok(())
     }
 
-    /// Returns the answers that followers gave of a map that this server owns, each with its id. They are its own from here on.
-    pub async fn take_answers(
-        &self,
-        map: MapKey,
-        at_most: u32,
-    ) -> Result<Vec<(String, Vec<u8>)>, StoreError> {
+    /// Returns the answers that followers gave of a map that this server owns. They are its own from here on.
+    pub async fn take_answers(&self, map: MapKey, at_most: u32) -> Result<Vec<GivenAnswer>, StoreError> {
         let take = "delete from followed_queries where map_key = $1 and id in
-            (select id from followed_queries where map_key = $1 order by id limit $2) returning id, body";
-        Ok(sql::query_as(take).bind(map).bind(at_most).fetch_all(&self.readers).await?)
+            (select id from followed_queries where map_key = $1 order by id limit $2)
+            returning id, body, keyframe, candidate, map_version, verdict, reason, why";
+        let rows = sql::query(take).bind(map).bind(at_most).fetch_all(&self.readers).await?;
+        let given = |row: &Row| {
+            let body: Vec<u8> = row.try_get("body")?;
+            Ok(GivenAnswer { id: row.try_get("id")?, line: line(row)?, body: body.into() })
+        };
+        rows.iter().map(given).collect()
     }
 
     /// Returns an answer of a follower that is on its way to the owner of the map, or of a release of the map.

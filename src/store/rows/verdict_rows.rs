@@ -1,7 +1,5 @@
 //! The rows of verdicts: answers of loop queries, whole while they are new, and a line of each for long.
 
-use serde::Deserialize;
-
 use super::bulk_insert::write_rows;
 use super::clock::{micros_now, stamp_of_micros};
 use super::decode;
@@ -33,50 +31,15 @@ pub(in crate::store) struct KeptQuery<'j> {
     pub body: &'j [u8],
 }
 
-/// The parts of an answer that its line has.
-#[derive(Deserialize)]
-struct Answer {
-    keyframe: Option<KeyframeName>,
-    map_version: u64,
-    verdict: String,
-    why: String,
-    best: Option<KeyframeName>,
-    reason: Option<Code>,
-    candidates: Vec<Candidate>,
-}
-
-#[derive(Deserialize)]
-#[serde(transparent)]
-struct KeyframeName(String);
-
-#[derive(Deserialize)]
-struct Code {
-    code: String,
-}
-
-#[derive(Deserialize)]
-struct Candidate {
-    keyframe: KeyframeName,
-    reason: Option<Code>,
-}
-
-/// Returns the line of an answer, as it was sent; none of what is no answer.
-pub fn line_of(answer: &[u8]) -> Option<VerdictLine> {
-    let answer: Answer = serde_json::from_slice(answer).ok()?;
-    let id = |name: KeyframeName| name.0.parse::<KeyframeId>().ok();
-    // Candidates come the best first. One that is a loop has no reason.
-    let (likeliest, stopped_by) = match answer.candidates.into_iter().next() {
-        Some(candidate) => (Some(candidate.keyframe), candidate.reason),
-        None => (None, None),
-    };
-    Some(VerdictLine {
-        keyframe: answer.keyframe.and_then(id),
-        candidate: answer.best.or(likeliest).and_then(id),
-        map_version: answer.map_version,
-        decision: Decision::from_name(&answer.verdict)?,
-        reason: answer.reason.or(stopped_by).and_then(|reason| ReasonCode::from_name(&reason.code)),
-        why: answer.why,
-    })
+/// An answer that a server gave of a map, with what names it.
+#[derive(Clone, Debug)]
+pub struct GivenAnswer {
+    /// The query's id.
+    pub id: String,
+    /// The line that a list shows of it.
+    pub line: VerdictLine,
+    /// The answer, as sent.
+    pub body: bytes::Bytes,
 }
 
 /// Writes answers with their lines, and takes out what is too old.
@@ -147,25 +110,29 @@ impl Store {
 }
 
 fn listed(row: &Row) -> Result<(i64, ListedVerdict), StoreError> {
+    let listed = ListedVerdict {
+        query: row.try_get("id")?,
+        asked: stamp_of_micros(row.try_get("asked_us")?),
+        session: row.try_get::<Option<&str>, _>("session")?.map(decode::id).transpose()?,
+        is_whole: row.try_get::<i64, _>("is_whole")? != 0,
+        line: line(row)?,
+    };
+    Ok((row.try_get("kept")?, listed))
+}
+
+/// Reads the columns of a line.
+pub(in crate::store) fn line(row: &Row) -> Result<VerdictLine, StoreError> {
     let id = |column: &str| -> Result<Option<KeyframeId>, StoreError> {
         row.try_get::<Option<&str>, _>(column)?.map(decode::id).transpose()
     };
     let unknown = |name: &str| StoreError::corrupt(format!("verdict {name}"));
     let (verdict, reason): (&str, Option<&str>) = (row.try_get("verdict")?, row.try_get("reason")?);
-    let line = VerdictLine {
+    Ok(VerdictLine {
         keyframe: id("keyframe")?,
         candidate: id("candidate")?,
         map_version: row.try_get::<i64, _>("map_version")? as u64,
         decision: Decision::from_name(verdict).ok_or_else(|| unknown(verdict))?,
         reason: reason.map(|name| ReasonCode::from_name(name).ok_or_else(|| unknown(name))).transpose()?,
         why: row.try_get("why")?,
-    };
-    let listed = ListedVerdict {
-        query: row.try_get("id")?,
-        asked: stamp_of_micros(row.try_get("asked_us")?),
-        session: row.try_get::<Option<&str>, _>("session")?.map(decode::id).transpose()?,
-        is_whole: row.try_get::<i64, _>("is_whole")? != 0,
-        line,
-    };
-    Ok((row.try_get("kept")?, listed))
+    })
 }
