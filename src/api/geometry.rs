@@ -14,7 +14,7 @@ use crate::geometry::Sim3;
 pub struct GeometryView {
     /// Its outcome.
     pub status: GeometryStatusName,
-    /// The reason why it was skipped or failed, for a person.
+    /// The reason why it was skipped or failed, for a person; left out where a check before it decided.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The model that was looked for. Where too few points are triangulated the images alone are compared, by the simplest model that

@@ -48,7 +48,7 @@ pub(super) fn verify_candidate(
         return Concluded { candidate: pre_verified.candidate.clone(), sum: None };
     }
     let checked = match pre_verified.stage {
-        Stage::Stopped => Err("it could not turn the answer"),
+        Stage::Stopped => Err(evidence::NOT_ASKED),
         _ => check_geometry(screening, pre_verified, asked, features, seed),
     };
     let is_near_miss =

@@ -79,8 +79,12 @@ fn contradiction(pair: &Contradiction<'_>) -> ContradictionEvidence {
     }
 }
 
+/// Why geometry was skipped where a check before it decided: the candidate's own reason says it.
+pub(in crate::recognition) const NOT_ASKED: &str = "";
+
 pub(in crate::recognition) fn geometry_skipped(reason: &str) -> GeometryEvidence {
-    GeometryEvidence { status: GeometryStatus::Skipped, reason: Some(reason.to_owned()), figures: None }
+    let reason = (reason != NOT_ASKED).then(|| reason.to_owned());
+    GeometryEvidence { status: GeometryStatus::Skipped, reason, figures: None }
 }
 
 pub(in crate::recognition) fn geometry(verification: &Verification) -> GeometryEvidence {
@@ -229,7 +233,7 @@ pub(in crate::recognition) fn unchecked(
         proposed: None,
         bow: bow(score, reference_score),
         anchors: None,
-        geometry: geometry_skipped("an earlier check decided"),
+        geometry: geometry_skipped(NOT_ASKED),
         odds: None,
         reason: None,
     })

@@ -88,19 +88,20 @@ fn reason(candidate: &Candidate, sum: &Sum, bet: &Bet, settings: &Settings) -> R
             }
             EvidenceKind::Absent => of(
                 ReasonCode::TooLittleEvidence,
-                format!("{} of the query that nobody read there", term.about),
+                format!("the query reads {} that nobody read there", term.about),
             ),
-            EvidenceKind::StrangeNames => {
-                of(ReasonCode::Contradiction, format!("{} around either that the other has not", term.about))
-            }
+            EvidenceKind::StrangeNames => of(
+                ReasonCode::Contradiction,
+                format!("one of the two shows {} that the other does not", term.about),
+            ),
             EvidenceKind::Apart => of(
                 ReasonCode::TooLittleEvidence,
-                format!("the two cameras are {} apart: it is a place near it", term.about),
+                format!("the two cameras are {} apart: the robot is near that place, not at it", term.about),
             ),
             EvidenceKind::NoView => of(ReasonCode::TooFewInliers, term.about.clone()),
             EvidenceKind::Odometry => of(
                 ReasonCode::OdometryDisagreesWithTransform,
-                format!("{} from where the robot tracked itself to", term.about),
+                format!("its odometry says otherwise: {}", term.about),
             ),
             EvidenceKind::Unread => of(bet.missing, format!("not described yet: {}", term.about)),
             _ => of(ReasonCode::AmbiguousPlaces, format!("as likely as {}", term.about)),
@@ -110,8 +111,7 @@ fn reason(candidate: &Candidate, sum: &Sum, bet: &Bet, settings: &Settings) -> R
         return of(ReasonCode::NotDistinctive, format!("{} hangs in several places", term.about));
     }
     if bet.is_tracked_only {
-        let detail =
-            "all that agrees was seen in this same passage: it was tracked, and no return is shown by it";
+        let detail = "all that agrees was seen on this same pass: nothing shows that the robot came back";
         return of(ReasonCode::TrackedOnly, detail.to_owned());
     }
     if sum.terms.iter().any(|(term, _)| term.kind == EvidenceKind::Neighbour) {
@@ -125,9 +125,8 @@ fn reason(candidate: &Candidate, sum: &Sum, bet: &Bet, settings: &Settings) -> R
         );
     }
     if sum.speaks_for() {
-        let detail = String::from(
-            "what agrees, a copy of this place would show as well: no name or code tells the two apart",
-        );
+        let detail =
+            String::from("a copy of this place would show the same: no name or code tells the two apart");
         return of(ReasonCode::TooLittleEvidence, detail);
     }
     if bet.pending > 0 {

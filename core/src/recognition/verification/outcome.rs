@@ -73,7 +73,7 @@ pub enum Failure {
         limit: u32,
     },
     /// Too few descriptors match.
-    #[error("{matches} matches, of {limit} needed")]
+    #[error("only {matches} features match, and {limit} are needed")]
     TooFewMatches {
         /// The matches.
         matches: u32,
@@ -87,7 +87,7 @@ pub enum Failure {
         hypotheses: u32,
     },
     /// The camera has only turned, as far as can be told.
-    #[error("{millidegrees} thousandths of a degree of parallax, of {limit} needed")]
+    #[error("the parallax is {millidegrees} thousandths of a degree, and {limit} are needed")]
     TooLittleParallax {
         /// The median angle left after the best rotation, in thousandths of a degree.
         millidegrees: u32,
@@ -103,7 +103,7 @@ pub enum Failure {
         degenerate: u32,
     },
     /// The best transformation explains too few features.
-    #[error("{inliers} inliers, of {limit} needed")]
+    #[error("only {inliers} features fit one motion, and {limit} are needed")]
     TooFewInliers {
         /// The matches it explains.
         inliers: u32,
@@ -111,7 +111,7 @@ pub enum Failure {
         limit: u32,
     },
     /// Too few of the features it explains are beyond doubt.
-    #[error("{sure} inliers have a position on both sides and near descriptors, of {limit} needed")]
+    #[error("only {sure} inliers have a position on both sides and near descriptors, and {limit} are needed")]
     TooFewSureInliers {
         /// The sure inliers.
         sure: u32,
