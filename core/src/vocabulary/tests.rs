@@ -114,6 +114,7 @@ fn the_end_of_the_file_and_of_its_lines_may_vary() {
     for ending in ["\n", "\n\n", "\n \n\n", "\r\n", " "] {
         assert_eq!(read(&(uneven() + ending)).unwrap(), plain, "{ending:?}");
     }
+    assert_eq!(read(&format!("\u{feff}{}", uneven())).unwrap(), plain, "a byte order mark");
     assert_eq!(read(&uneven().replace('\n', "\r\n")).unwrap(), plain);
     assert_eq!(read(&uneven().replace(' ', "\t ")).unwrap(), plain);
 }

@@ -29,6 +29,11 @@ impl<'a> Node<'a> {
         match whole {
             Some(whole) if range.contains(&whole) => Some(whole),
             None if number.fract() != 0.0 => self.refuse("expected a whole number", Bounds(&range)),
+            // An unsigned hash of 64 bits, as it is or as it comes out of a signed one.
+            _ if *range.end() == i64::MAX => self.refuse(
+                "the number is out of range: it takes 63 bits; of an id of 64 send `id & 0x7fffffffffffffff`",
+                Bounds(&range),
+            ),
             _ => self.refuse("the number is out of range", Bounds(&range)),
         }
     }

@@ -36,8 +36,20 @@ pub enum TooMany {
 /// Members of an object up to which each name is compared with those before it.
 const FEW_MEMBERS: usize = 16;
 
+/// Returns a text without the byte order mark of UTF-8, which a reader may ignore (RFC 8259, section 8.1): PowerShell writes it.
+pub fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Returns what to do with a text whose mark is that of UTF-16.
+pub fn utf_16(bytes: &[u8]) -> Option<&'static str> {
+    let is_marked = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    is_marked.then_some("the text is UTF-16, as PowerShell's `>` writes it; JSON is UTF-8: save it so")
+}
+
 /// Parses bytes as one JSON value.
 pub fn parse(bytes: &[u8]) -> Result<Document<'_>, Unreadable> {
+    let bytes = without_mark(bytes);
     let count = Count::default();
     let mut document = Document::with_room(bytes, tokens_at_most(bytes).min(2 * BODY_VALUES));
     let mut json = serde_json::Deserializer::from_slice(bytes);
@@ -62,6 +74,9 @@ pub fn tokens_at_most(bytes: &[u8]) -> usize {
 }
 
 fn fault(bytes: &[u8], error: &serde_json::Error) -> FieldError {
+    if let Some(told) = utf_16(bytes) {
+        return FieldError::new("", told);
+    }
     let place = place(bytes);
     let Some(name) = not_a_number(bytes, error) else { return FieldError::new(place, error.to_string()) };
     let (line, column) = (error.line(), error.column());
@@ -86,6 +101,7 @@ fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b st
 
 /// Returns why bytes are no JSON, if they are none, without holding them as a document if they are.
 pub fn check(bytes: &[u8]) -> Result<(), Unreadable> {
+    let bytes = without_mark(bytes);
     let read: Result<IgnoredAny, _> = serde_json::from_slice(bytes);
     read.map(drop).map_err(|error| Unreadable::Syntax(fault(bytes, &error)))
 }

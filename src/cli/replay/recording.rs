@@ -9,6 +9,8 @@ use indicatif::ProgressBar;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use crate::api::decoding::syntax::{utf_16, without_mark};
+
 /// Maximum length of a line; a keyframe is about 100 kB.
 const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
 
@@ -203,7 +205,11 @@ impl Recording {
     }
 
     fn parse(&mut self, text: &[u8]) -> Result<Line, Fault> {
-        let Written { map, op } = serde_json::from_slice(text).map_err(|error| malformed(&error))?;
+        if let Some(told) = utf_16(text) {
+            return Err(Fault::Malformed(told.to_owned()));
+        }
+        let Written { map, op } =
+            serde_json::from_slice(without_mark(text)).map_err(|error| malformed(&error))?;
         let map = match &op {
             Op::Map { id, .. } => {
                 self.map = Some(id.clone());

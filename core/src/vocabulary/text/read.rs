@@ -18,7 +18,8 @@ pub(in crate::vocabulary) fn read(text: &mut impl BufRead) -> Result<Vocabulary,
     let mut lines = Lines { text, line: Vec::new(), number: 0 };
     let (branching, levels) = {
         let header = lines.next()?.unwrap_or_default();
-        shape(header).map_err(|fault| lines.wrong(fault))?
+        // A byte order mark, as Windows writes it, is no part of the text.
+        shape(header.strip_prefix(b"\xef\xbb\xbf").unwrap_or(header)).map_err(|fault| lines.wrong(fault))?
     };
     let mut tree: Option<Tree> = None;
     let mut descriptor_bytes = 0;

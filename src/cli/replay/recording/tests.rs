@@ -109,6 +109,14 @@ fn a_line_of_just_the_allowed_length_is_read() {
 }
 
 #[test]
+fn a_byte_order_mark_is_no_part_of_a_recording_and_utf_16_is_told() {
+    assert_eq!(read(format!("\u{feff}{THREE_LINES}")), read(THREE_LINES));
+    let wide: Vec<u8> = "\u{feff}{}".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let lines = read(wide);
+    assert!(lines[0].as_ref().is_err_and(|error| error.contains("UTF-16")), "{lines:?}");
+}
+
+#[test]
 fn a_keyframe_before_any_map_belongs_nowhere() {
     let lines = read(r#"{"op":"keyframe","id":"kf-1","body":{}}"#);
     let error = lines[0].as_ref().expect_err("no map");
