@@ -12,7 +12,7 @@ use super::settings::{ChosenSettings, MapSettings};
 use crate::domain::map::NamedTwins;
 use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
-use crate::domain::request::{MapPatch, NewMap};
+use crate::domain::request::{Detail, MapPatch, NewMap};
 use crate::geometry::Gravity;
 
 /// A map to be made.
@@ -118,7 +118,7 @@ pub struct MapView {
     pub anchor_classes: Vec<String>,
     /// The classes whose texts are codes, compared exactly, sorted.
     pub code_classes: Vec<String>,
-    /// Every setting in force.
+    /// Every setting in force; with `?detail=brief` those that differ from their defaults.
     pub settings: MapSettings,
     /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -226,6 +226,15 @@ fn classes(node: &Node<'_>) -> Option<Vec<String>> {
     classes.sort_unstable();
     classes.dedup();
     Some(classes)
+}
+
+impl MapView {
+    /// Returns a map; in brief, with the settings alone that differ from their defaults.
+    pub fn of(map: MapReport, detail: Detail) -> Self {
+        let changed = (detail == Detail::Brief).then(|| MapSettings::changed(&map.properties.settings));
+        let whole = Self::from(map);
+        Self { settings: changed.unwrap_or(whole.settings), ..whole }
+    }
 }
 
 impl From<MapReport> for MapView {

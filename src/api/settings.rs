@@ -75,6 +75,14 @@ impl From<&Settings> for MapSettings {
     }
 }
 
+impl MapSettings {
+    /// Returns the settings that differ from their defaults.
+    pub fn changed(settings: &Settings) -> Self {
+        let (all, defaults) = (Self::from(settings), Self::from(&Settings::default()));
+        Self(all.0.into_iter().filter(|(name, value)| defaults.0.get(name) != Some(value)).collect())
+    }
+}
+
 impl From<Vec<(String, SettingValue)>> for MapSettings {
     fn from(chosen: Vec<(String, SettingValue)>) -> Self {
         Self(chosen.into_iter().map(|(name, value)| (name, json_of(value))).collect())

@@ -15,6 +15,7 @@ mod erasures;
 mod events;
 mod eviction;
 mod exports;
+mod first_data;
 mod followers;
 mod frames;
 mod geometry;

@@ -1068,7 +1068,7 @@ class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
     status: GeometryStatus
     """Its outcome."""
     reason: str | None = None
-    """The reason why it was skipped or failed, for a person."""
+    """The reason why it was skipped or failed, for a person; left out where a check before it decided."""
     model: GeometryModel | None = None
     """The model that was looked for. Where too few points are triangulated the images alone are compared,
     by the simplest model that explains nearly as much as the others.
@@ -1286,6 +1286,8 @@ class KeyframeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """How many keyframes are covisible with it."""
     detections: list[DetectionOutcome]
     """What became of its detections, in their order."""
+    notice: str | None = None
+    """Where nothing joins it with the others of its session: what follows from that. Else left out."""
     loop: LoopAnswer | None = None
     """The answer to the loop query, if the request asked it."""
 
@@ -1772,7 +1774,7 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     code_classes: list[str]
     """The classes whose texts are codes, compared exactly, sorted."""
     settings: Settings
-    """Every setting in force."""
+    """Every setting in force; with `?detail=brief` those that differ from their defaults."""
     keyframes: int
     """Number of its keyframes."""
     anchors: int

@@ -90,26 +90,29 @@ class Operations:
         """List maps. Sorted by id, paged; only maps that the key covers."""
         return self._call(Call("GET", "/v1/maps", query={"limit": limit, "cursor": cursor}, answer=models.MapList))
 
-    def get_map(self, map: str) -> models.MapView:
-        """Read a map. Includes every setting in force."""
-        return self._call(Call("GET", f"/v1/maps/{segment(map)}", answer=models.MapView))
+    def get_map(self, map: str, *, detail: str | None = None) -> models.MapView:
+        """Read a map. Includes every setting in force; with `?detail=brief` only those that differ from
+        their defaults.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}", query={"detail": detail}, answer=models.MapView))
 
-    def put_map(self, map: str, body: models.MapBody | Mapping[str, Any]) -> models.MapView:
+    def put_map(self, map: str, body: models.MapBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
         under the same id is a conflict. With a `base` the map begins as a copy of a release or of
-        another map, and the answer comes when all of it is on disk.
+        another map, and the answer comes when all of it is on disk. With `?detail=brief` the answer
+        lists only the settings that differ from their defaults.
         """
-        return self._call(Call("PUT", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
+        return self._call(Call("PUT", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 
     def delete_map(self, map: str) -> None:
         """Delete a map. Deletes everything in it."""
         return self._call(Call("DELETE", f"/v1/maps/{segment(map)}"))
 
-    def patch_map(self, map: str, body: models.MapPatchBody | Mapping[str, Any]) -> models.MapView:
+    def patch_map(self, map: str, body: models.MapPatchBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Change a map. Omitted members keep their values; `settings` changes only the settings that it
         contains.
         """
-        return self._call(Call("PATCH", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
+        return self._call(Call("PATCH", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 
     def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, prior: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
         """Search anchors. Oldest first, paged. Merged anchors are omitted unless requested."""
@@ -466,26 +469,29 @@ class AsyncOperations:
         """List maps. Sorted by id, paged; only maps that the key covers."""
         return await self._call(Call("GET", "/v1/maps", query={"limit": limit, "cursor": cursor}, answer=models.MapList))
 
-    async def get_map(self, map: str) -> models.MapView:
-        """Read a map. Includes every setting in force."""
-        return await self._call(Call("GET", f"/v1/maps/{segment(map)}", answer=models.MapView))
+    async def get_map(self, map: str, *, detail: str | None = None) -> models.MapView:
+        """Read a map. Includes every setting in force; with `?detail=brief` only those that differ from
+        their defaults.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}", query={"detail": detail}, answer=models.MapView))
 
-    async def put_map(self, map: str, body: models.MapBody | Mapping[str, Any]) -> models.MapView:
+    async def put_map(self, map: str, body: models.MapBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
         under the same id is a conflict. With a `base` the map begins as a copy of a release or of
-        another map, and the answer comes when all of it is on disk.
+        another map, and the answer comes when all of it is on disk. With `?detail=brief` the answer
+        lists only the settings that differ from their defaults.
         """
-        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
+        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 
     async def delete_map(self, map: str) -> None:
         """Delete a map. Deletes everything in it."""
         return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}"))
 
-    async def patch_map(self, map: str, body: models.MapPatchBody | Mapping[str, Any]) -> models.MapView:
+    async def patch_map(self, map: str, body: models.MapPatchBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Change a map. Omitted members keep their values; `settings` changes only the settings that it
         contains.
         """
-        return await self._call(Call("PATCH", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
+        return await self._call(Call("PATCH", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 
     async def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, prior: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
         """Search anchors. Oldest first, paged. Merged anchors are omitted unless requested."""

@@ -44,6 +44,8 @@ pub struct KeyframeReport {
     pub map_version: u64,
     /// Number of keyframes covisible with it.
     pub covisible: usize,
+    /// Whether nothing joins it with the others of its session.
+    pub is_cut_off: bool,
     /// The outcomes of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
     /// Whether it has just shown an anchor that matches one seen before. That triggers loop detection (§III).

@@ -18,6 +18,11 @@ use crate::domain::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::geometry::Point3;
 
+/// Said of a keyframe that is covisible with none, though its session has others.
+const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the robot has just left may be answered as a loop: \
+    send `observes`, or `covisible` (an empty list says that none is), or keyframes closer together than the setting \
+    covisibility_max_way_m";
+
 /// A keyframe is stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct KeyframeAnswer {
@@ -27,6 +32,9 @@ pub struct KeyframeAnswer {
     pub map_version: u64,
     /// How many keyframes are covisible with it.
     pub covisible: usize,
+    /// Where nothing joins it with the others of its session: what follows from that. Else left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
     /// What became of its detections, in their order.
     pub detections: Vec<OutcomeView>,
     /// The answer to the loop query, if the request asked it.
@@ -173,6 +181,7 @@ impl From<KeyframeReport> for KeyframeAnswer {
             keyframe: report.keyframe.to_string(),
             map_version: report.map_version,
             covisible: report.covisible,
+            notice: report.is_cut_off.then(|| CUT_OFF.to_owned()),
             detections: report.detections.into_iter().map(OutcomeView::from).collect(),
             loop_answer: None,
         }

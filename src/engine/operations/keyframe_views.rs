@@ -37,6 +37,7 @@ pub(super) fn report(
         keyframe: id.clone(),
         map_version: 0,
         covisible: index.covisibility().degree(seq),
+        is_cut_off: index.covisibility().is_cut_off(seq),
         detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
         revisits: false,
     }

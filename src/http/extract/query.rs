@@ -158,10 +158,10 @@ pub struct KeyframeParams {
     pub detail: Detail,
 }
 
-/// How much of a verdict is returned.
+/// How much of an answer is returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct LoopQueryParams {
+pub struct DetailParams {
     /// How much of the answer is returned.
     #[param(value_type = Option<crate::api::names::DetailName>, inline)]
     pub detail: Detail,
@@ -272,7 +272,7 @@ impl Decode for KeyframeParams {
     }
 }
 
-impl Decode for LoopQueryParams {
+impl Decode for DetailParams {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let query = node.object(&["detail"])?;
         Some(Self { detail: detail(&query)? })

@@ -16,7 +16,7 @@ use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::QueryOfMap;
 use crate::http::extract::path::{MapPath, MapPathParams, QueryPath, QueryPathParams};
-use crate::http::extract::query::{LoopQueryParams, Paging, Query, VerdictPage, VerdictSearch};
+use crate::http::extract::query::{DetailParams, Paging, Query, VerdictPage, VerdictSearch};
 use crate::http::problem::Problem;
 
 /// The W3C header with a server's timings.
@@ -32,7 +32,7 @@ pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-tim
 /// /v1/maps/{map}/loops`. From then on the two keyframes are covisible. The same query then returns the loop in
 /// `closed` and the reason `already_closed`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, LoopQueryParams), security(("key" = ["query"])),
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, DetailParams), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
     responses(
         (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
@@ -41,7 +41,7 @@ pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-tim
 )]
 pub async fn query_loop(
     Answering(service): Answering,
-    Query(LoopQueryParams { detail }): Query<LoopQueryParams>,
+    Query(DetailParams { detail }): Query<DetailParams>,
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
     let answer = service.loop_query(&map, query).await?;

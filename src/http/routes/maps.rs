@@ -15,7 +15,7 @@ use crate::http::error_responses::{OfDelete, OfList, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{MapPath, MapPathParams};
-use crate::http::extract::query::{Paging, Query};
+use crate::http::extract::query::{DetailParams, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
@@ -38,9 +38,10 @@ pub async fn list_maps(
 /// Create a map
 ///
 /// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict. With a `base` the map
-/// begins as a copy of a release or of another map, and the answer comes when all of it is on disk.
+/// begins as a copy of a release or of another map, and the answer comes when all of it is on disk. With
+/// `?detail=brief` the answer lists only the settings that differ from their defaults.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
     responses(
         (status = 201, description = "The map was created", body = MapView, example = examples::map),
@@ -53,40 +54,46 @@ pub async fn put_map(
     State(service): State<Service>,
     caller: Caller,
     MapPath(map): MapPath,
+    Query(DetailParams { detail }): Query<DetailParams>,
     Body(new): Body<NewMap>,
 ) -> Result<Response, Problem> {
     if let Some(base) = new.base.as_ref().filter(|base| !caller.reaches(&base.map)) {
         return Err(ServiceError::no_map(&base.map).into());
     }
     let stored = service.put_new_map(map, new, caller.0.key()).await?;
-    Ok(written(stored.created, MapView::from(stored.value)))
+    Ok(written(stored.created, MapView::of(stored.value, detail)))
 }
 
 /// Read a map
 ///
-/// Includes every setting in force.
+/// Includes every setting in force; with `?detail=brief` only those that differ from their defaults.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["read"])),
     responses((status = 200, description = "The map", body = MapView, example = examples::map), ReadErrors)
 )]
-pub async fn get_map(Answering(service): Answering, MapPath(map): MapPath) -> Result<Json<MapView>, Problem> {
-    Ok(Json(service.get_map(&map).await?.into()))
+pub async fn get_map(
+    Answering(service): Answering,
+    MapPath(map): MapPath,
+    Query(DetailParams { detail }): Query<DetailParams>,
+) -> Result<Json<MapView>, Problem> {
+    Ok(Json(MapView::of(service.get_map(&map).await?, detail)))
 }
 
 /// Change a map
 ///
 /// Omitted members keep their values; `settings` changes only the settings that it contains.
 #[utoipa::path(
-    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
+    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["write"])),
     request_body(content = MapPatchBody, example = examples::map_patch),
     responses((status = 200, description = "The updated map", body = MapView, example = examples::map), OfWrite)
 )]
 pub async fn patch_map(
     State(service): State<Service>,
     MapPath(map): MapPath,
+    Query(DetailParams { detail }): Query<DetailParams>,
     Body(patch): Body<MapPatch>,
 ) -> Result<Json<MapView>, Problem> {
-    Ok(Json(service.patch_map(&map, patch).await?.into()))
+    Ok(Json(MapView::of(service.patch_map(&map, patch).await?, detail)))
 }
 
 /// Delete a map

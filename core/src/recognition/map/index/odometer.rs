@@ -73,6 +73,13 @@ pub(super) struct Place {
 }
 
 impl Odometer {
+    /// Whether a session has more than one keyframe.
+    pub(super) fn has_way(&self, session: SessionSeq) -> bool {
+        self.sessions
+            .get(&session)
+            .is_some_and(|blocks| blocks.iter().flat_map(|block| &block.steps).nth(1).is_some())
+    }
+
     /// Returns where a keyframe stands on its session's way.
     pub(super) fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
         let blocks = self.sessions.get(&keyframe.session)?;
