@@ -108,7 +108,11 @@ def numbered_rows_of(path: Path, form: str = "a table (CSV)") -> list[tuple[int,
 
 
 def records_of(path: Path, columns: Iterable[str]) -> list[tuple[int, dict[str, str]]]:
-    """Return each row of a table with its line: cells by the names in the first row, in small letters; `columns` must be there."""
+    """Return each row of a table with its line: its cells by the names in the first row, in small letters.
+
+    Raises:
+        RevisitError: One of `columns` is not there.
+    """
     (_, head), *rows = numbered_rows_of(path) or [(0, [])]
     names = [name.lower() for name in head]
     if not set(columns) <= set(names):

@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 import bisect
+import re
+from collections import Counter
 from collections.abc import Iterable
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import RevisitError
+from ..files import text_of
+from ..left_out import LeftOut
+from .pose_columns import METRES, NANOSECONDS, TUM, Columns, columns_of
+from .stamps import UNIT_NAMES, unit_ns
+from .stamps import nanoseconds as nanoseconds
 
 # Between two poses further apart than this nothing is made up.
 MAX_GAP_NS = 250_000_000
 # Before the first pose and after the last a photograph may lie by so much.
 MAX_OUTSIDE_NS = 20_000_000
+FORM = "seconds x y z qx qy qz qw"
+UNNAMED: Columns = {name: (place, "") for place, name in enumerate(TUM)}
+MATRICES = (
+    "a matrix without a time. RTAB-Map writes times with `rtabmap-export --poses_camera --poses_format 10`; to KITTI's poses "
+    "evo's contrib/kitti_poses_and_timestamps_to_trajectory.py adds times.txt"
+)
+POSITION_MAX_M = 1e9
+STEP_MAX_NS = 3600 * 10**9
 
 
 class Trajectory:
@@ -25,12 +40,14 @@ class Trajectory:
         name: str,
         poses: Iterable[tuple[int, np.ndarray, np.ndarray]],
         moving_from_wanted: np.ndarray | None = None,
+        assumed: tuple[str, ...] = (),
+        left_out: LeftOut | None = None,
     ) -> None:
         """Take (time, translation, quaternion x y z w) in any order; of one time the last counts.
 
         `moving_from_wanted` (4 x 4) is where the frame that is asked for stands in the one that the poses are of.
         """
-        self.name = name
+        self.name, self.assumed, self.left_out = name, assumed, left_out or LeftOut()
         self._moving_from_wanted = np.eye(4) if moving_from_wanted is None else moving_from_wanted
         by_time = {stamp_ns: (translation, quaternion) for stamp_ns, translation, quaternion in poses}
         self._times = sorted(by_time)
@@ -67,40 +84,98 @@ class Trajectory:
 
 
 def read_tum(path: Path) -> Trajectory:
-    """Read a trajectory in TUM's format: lines of `seconds x y z qx qy qz qw`."""
-    poses = []
-    try:
-        lines = path.read_text("utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise RevisitError(f"{path}: cannot be read: {error}") from error
-    for number, line in enumerate(lines, 1):
-        words = line.replace(",", " ").split()
-        if not words or words[0].startswith("#"):
+    """Read a trajectory in TUM's format, or with columns as the file names them; bad lines are left out.
+
+    Times are in the unit that is named, or that their digits tell.
+
+    Raises:
+        RevisitError: It is of another form, or more than half of its lines are bad.
+    """
+    columns, width, rows = _lines(path)
+    left_out, poses = LeftOut(), []
+    for number, cells in rows:
+        pose = _pose(columns, cells) if len(cells) == width else f"not of {width} columns"
+        if isinstance(pose, str):
+            left_out.add(f"line {number}", pose)
+        else:
+            poses.append(pose)
+    if not poses or 2 * left_out.count > len(rows):
+        raise RevisitError(f"{path}: no poses in it: {'; '.join(left_out.told()) or f'no line of `{FORM}`'}")
+    unit, assumed = _unit(path, columns, sorted(time for time, *_ in poses))
+    return Trajectory(str(path), [(int(time * unit), *pose) for time, *pose in poses], assumed=assumed, left_out=left_out)
+
+
+def _lines(path: Path) -> tuple[Columns, int, list[tuple[int, list[str]]]]:
+    """Return the columns of a pose, how many columns there are in all, and the rows with their lines."""
+    columns, width, rows = UNNAMED, len(TUM), []
+    for number, line in enumerate(text_of(path, f"lines of `{FORM}`").splitlines(), 1):
+        cells, is_comment = _cells(line.lstrip(" \t#%")), line.lstrip().startswith(("#", "%"))
+        if not any(cells) or is_comment and rows:
             continue
-        try:
-            stamp_ns = nanoseconds(words[0])
-            values = [float(word) for word in words[1:8]]
-        except ValueError as error:
-            raise RevisitError(f"{path}, line {number}: no line of `seconds x y z qx qy qz qw`") from error
-        poses.append((stamp_ns, *_checked(values, f"{path}, line {number}")))
-    return Trajectory(str(path), poses)
+        if not is_comment and (rows or any(map(_is_number, cells))):
+            rows.append((number, cells))
+            continue
+        named = columns_of(cells)
+        if len(named) == len(TUM):
+            columns, width = named, len(cells)
+        # A comment may say anything, but one that names half of a pose names columns.
+        elif not is_comment or len(named) >= len(TUM) // 2:
+            missing = ", ".join(name for name in TUM if name not in named)
+            raise RevisitError(f"{path}, line {number}: no line of `{FORM}`; as names of columns it lacks {missing}")
+    usual = Counter(len(cells) for _, cells in rows).most_common(1)
+    count = usual[0][0] if usual else width
+    if columns is UNNAMED and count != width:
+        told = MATRICES if count in (12, 16) else f"`{FORM}` has {width}: name them all in a first line, `# timestamp x y z ..`"
+        raise RevisitError(f"{path}: {count} numbers a line: {told}")
+    return columns, width, rows
 
 
-def nanoseconds(seconds: str) -> int:
-    """Return decimal seconds in nanoseconds, to the last digit."""
+def _cells(line: str) -> list[str]:
+    """Return a line's cells; where `;` is between them a comma is that of a decimal number."""
+    separator = next((sign for sign in ";,\t" if sign in line), None)
+    line = line.replace(",", ".") if separator == ";" else line
+    # A unit belongs to the name before it.
+    line = re.sub(r"\s+(?=[\[(])", "", line).strip().rstrip(separator)
+    return [cell.strip(' "') for cell in line.split(separator)]
+
+
+def _is_number(cell: str) -> bool:
     try:
-        value = Decimal(seconds)
-    except InvalidOperation as error:
-        raise ValueError(seconds) from error
-    if not value.is_finite() or abs(value) >= 10**12:
-        raise ValueError(seconds)
-    return int(value * 1_000_000_000)
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
-def _checked(values: list[float], where: str) -> tuple[np.ndarray, np.ndarray]:
-    if len(values) != 7 or not np.isfinite(values).all() or np.linalg.norm(values[3:]) < 1e-6:
-        raise RevisitError(f"{where}: no pose of seven numbers, x y z qx qy qz qw")
-    return np.array(values[:3]), np.array(values[3:]) / np.linalg.norm(values[3:])
+def _pose(columns: Columns, cells: list[str]) -> tuple[Decimal, np.ndarray, np.ndarray] | str:
+    """Return time, translation and quaternion of a line, or why it has none."""
+    try:
+        time = Decimal(cells[columns["t"][0]])
+        values = np.array([float(cells[place]) * METRES.get(unit, 1.0) for place, unit in map(columns.get, TUM[1:])])
+    except (ArithmeticError, ValueError):
+        return "no numbers"
+    if not time.is_finite() or abs(time) >= 10**20 or not np.isfinite(values).all():
+        return "no finite numbers"
+    if np.abs(values[:3]).max() > POSITION_MAX_M:
+        return f"a position beyond {POSITION_MAX_M:g} m"
+    length = np.linalg.norm(values[3:])
+    return (time, values[:3], values[3:] / length) if abs(length - 1) < 0.1 else "no quaternion of length 1"
+
+
+def _unit(path: Path, columns: Columns, times: list[Decimal]) -> tuple[int, tuple[str, ...]]:
+    """Return the nanoseconds of the times' unit, and what was assumed."""
+    named = columns["t"][1]
+    unit = NANOSECONDS.get(named) or unit_ns(times[len(times) // 2])
+    steps = sorted(later - earlier for earlier, later in zip(times, times[1:]))
+    # A robot's poses are not hours apart.
+    if unit is None or steps and steps[len(steps) // 2] * unit > STEP_MAX_NS:
+        raise RevisitError(
+            f"{path}: the unit of times like {times[-1]} is not known: name it in a first line, `# timestamp[ns] x y z ..`"
+        )
+    if named in NANOSECONDS or unit == NANOSECONDS["s"]:
+        return unit, ()
+    order = ("quaternions are x y z w",) if columns is UNNAMED else ()
+    return unit, (f"times are in {UNIT_NAMES[unit]}, by their digits", *order)
 
 
 def _matrix(translation: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
