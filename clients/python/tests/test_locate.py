@@ -86,12 +86,12 @@ def test_the_table_shows_ordinary_methods_beside_it(tower: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "complaint"),
     [
-        (["frame,floor"], "its first line has no column `split`"),
-        (["frame,level,split"], "its first line has no column `floor`"),
+        (["frame,floor"], "no columns `frame` and `floor` and `split` in its first line, which is: frame, floor"),
+        (["frame,level,split"], "no columns `frame` and `floor` and `split`"),
         (["frame,floor,split", "f1_frame_000001,1,other"], "line 2: `split` is `other`"),
-        (["frame,floor,split", "f1_frame_000001,,query"], "line 2: `frame` and `floor` must not be empty"),
+        (["frame,floor,split", "f1_frame_000001,,query"], "line 2: `frame` and `floor` and `split` must not be empty"),
         (["frame,floor,split", "f1_frame_000001,1,query", "f1_frame_000001.png,2,query"], "line 3: f1_frame_000001.png stands"),
-        (["frame,floor,split", "f1_frame_000001,1,query"], "no row for f1_frame_000002.png"),
+        (["frame,floor,split", "f1_frame_000001,1,query"], "no floor for f1_frame_000002.png and 14 others"),
     ],
 )
 def test_a_faulty_truth_is_one_line_that_names_the_file(tower: Path, tmp_path: Path, rows: list[str], complaint: str) -> None:
@@ -100,6 +100,56 @@ def test_a_faulty_truth_is_one_line_that_names_the_file(tower: Path, tmp_path: P
     done = locate("--gallery", tower, "--queries", tower, "--truth", truth)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert str(truth) in done.stderr and complaint in done.stderr
+
+
+def test_a_truth_of_excel_and_photographs_that_cannot_be_judged_do_not_end_the_run(tower: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    for path in tower.glob("*.png"):
+        (folder / path.name).write_bytes(path.read_bytes())
+    (folder / "f1_frame_000002.png").write_bytes((folder / "f1_frame_000002.png").read_bytes()[:100])
+    (folder / "f2_frame_000009.png").write_bytes((folder / "f2_frame_000008.png").read_bytes())
+    rows = (tower / "floors.csv").read_text().replace("frame,floor,split", "Frame, Floor ,SPLIT").replace(",", ";").splitlines()
+    (folder / "floors.csv").write_text("sep=;\n" + "\r\n".join([*rows, "f1_frame_000003;;query"]), encoding="utf-16")
+    done = locate("--gallery", folder, "--queries", folder, "--truth", folder / "floors.csv", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["protocols"]["A"]["queries"] == len(FLOORS) * len(ASKING)
+    for told in ("f1_frame_000002.png", "f2_frame_000009.png", "floors.csv, line 19"):
+        assert told in done.stderr
+    assert "no floor in floors.csv, so not judged" in done.stderr
+
+
+def test_a_truth_judges_what_it_names_and_no_more(tmp_path: Path) -> None:
+    from revisit_slam.pixels.frames import Frame
+    from revisit_slam.pixels.truth import Truth
+
+    names = ["up/0001.jpg", "down/0001.jpg", "1700000000.25.png", "hall.HEIC", "stairs.jpg", "roof.jpg", "lift.jpg"]
+    frames = [Frame(name.rsplit(".", 1)[0].replace("/", "."), tmp_path / name, "", number) for number, name in enumerate(names)]
+    rows = ["up\\0001.jpg,2", "down/0001,1", "other/1700000000.25.jpg,2", "hall,1", "stairs.jpg,1", "stairs.png,2", "roof.jpg,"]
+    (tmp_path / "truth.csv").write_text("\n".join(["frame,floor", *rows, "lift.jpg,1"]))
+    truth = Truth(tmp_path / "truth.csv", frames)
+    assert truth.same_floor("up.0001", "1700000000.25") and truth.same_floor("down.0001", "hall")
+    assert not truth.same_floor("up.0001", "down.0001")
+    # What is not known is neither right nor wrong.
+    assert truth.lists("stairs", ["roof", "up.0001"]) == ([], ["roof", "up.0001"])
+    assert truth.left_out.told() == [
+        "left out 1: stairs.png stands there twice, with different values: truth.csv, line 7",
+        "left out 1: `frame` and `floor` must not be empty: truth.csv, line 8",
+        "left out 2: no floor in truth.csv, so not judged: stairs.jpg, roof.jpg",
+    ]
+
+
+def test_two_floors_are_two_maps_however_they_are_written(tmp_path: Path, tower: Path) -> None:
+    from revisit_slam.pixels.locate.collection import open_collection
+
+    picture = next(tower.glob("*.png")).read_bytes()
+    for name in ("a_1.png", "b_1.png"):
+        (tmp_path / "gallery").mkdir(exist_ok=True)
+        (tmp_path / "gallery" / name).write_bytes(picture)
+    (tmp_path / "truth.csv").write_text("frame,floor\na_1,東\nb_1,西\n", encoding="utf-8-sig")
+    (tmp_path / "queries").mkdir()
+    (tmp_path / "queries" / "a_1.png").write_bytes(picture)
+    assert len(open_collection(tmp_path / "gallery", tmp_path / "queries", tmp_path / "truth.csv").maps) == 2
 
 
 def test_one_folder_needs_a_truth_that_parts_it(tower: Path) -> None:

@@ -2,64 +2,101 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ..errors import RevisitError
+from ..files import records_of
+from ..left_out import SHOWN_MAX, LeftOut
 from .frames import Frame
 
 # Nearer frames of one video show the same passage: naming one of them is no loop found.
 MIN_FRAMES_APART = 10
 
 
-class Truth:
-    """The floor (or place) of each photograph, from a CSV with columns `frame` and `floor`."""
+def labels_of(
+    path: Path, frames: Sequence[Frame], columns: Mapping[str, Sequence[str]], left_out: LeftOut
+) -> dict[str, tuple[str, ...]]:
+    """Return what a CSV's columns say of each photograph, by its id; a column with values has no others.
 
-    def __init__(self, path: Path, frames: Iterable[Frame]) -> None:
-        floors: dict[str, str] = {}
-        try:
-            with path.open(newline="") as file:
-                rows = csv.DictReader(file)
-                if not {"frame", "floor"} <= set(rows.fieldnames or ()):
-                    raise RevisitError(f"{path}: no columns `frame` and `floor` in its first line")
-                stems: dict[str, set[str]] = {}
-                for row in rows:
-                    floors[row["frame"]] = row["floor"]
-                    stems.setdefault(Path(row["frame"]).stem, set()).add(row["floor"])
-                # A stem that two folders share names nothing.
-                floors |= {stem: next(iter(found)) for stem, found in stems.items() if len(found) == 1 and stem not in floors}
-        except (OSError, UnicodeDecodeError) as error:
-            raise RevisitError(f"{path}: cannot be read: {error}") from error
-        self._frames: dict[str, Frame] = {}
-        self._floors: dict[str, str] = {}
-        self._path = path
-        for frame in frames:
-            floor = next((floors[name] for name in _names(frame) if name in floors), None)
-            if floor is None:
-                raise RevisitError(f"{path}: no floor for {frame.path.name}")
-            self._frames[frame.id], self._floors[frame.id] = frame, floor
+    A row names a photograph by its id, its path or the end of that, or a stem that no other row has. Rows that say
+    nothing or contradict each other are left out, and so are photographs without a row.
+
+    Raises:
+        RevisitError: Half of the photographs, or more, have no row.
+    """
+    rows: dict[str, tuple[str, ...]] = {}
+    wrong: dict[int, str] = {}
+    twice = set()
+    for line, record in records_of(path, ("frame", *columns)):
+        name, row = _plain(record["frame"]), tuple(record[column] for column in columns)
+        strange = [(column, record[column]) for column, known in columns.items() if known and record[column] not in known]
+        if not name or not all(row):
+            wrong[line] = f"`frame` and `{'` and `'.join(columns)}` must not be empty"
+        elif strange:
+            wrong[line] = f"`{strange[0][0]}` is `{strange[0][1]}`; known are {' and '.join(columns[strange[0][0]])}"
+        elif rows.setdefault(name, row) != row:
+            twice.add(name)
+            wrong[line] = f"{record['frame']} stands there twice, with different values"
+    rows = {name: row for name, row in rows.items() if name not in twice}
+    stems: dict[str, set[tuple[str, ...]]] = {}
+    for name, row in rows.items():
+        stems.setdefault(name.rsplit("/", 1)[-1], set()).add(row)
+    found = {}
+    for frame in frames:
+        by_stem = stems.get(frame.path.stem, set())
+        row = next((rows[name] for name in _names(frame) if name in rows), next(iter(by_stem)) if len(by_stem) == 1 else ())
+        if row:
+            found[frame.id] = row
+    lacking = [frame.path.name for frame in frames if frame.id not in found]
+    if lacking and 2 * len(lacking) >= len(frames):
+        others = f" and {len(lacking) - 1} others" if len(lacking) > 1 else ""
+        told = "".join(f"; line {line}: {why}" for line, why in list(wrong.items())[:SHOWN_MAX])
+        raise RevisitError(f"{path}: no floor for {lacking[0]}{others}{told}")
+    for line, why in wrong.items():
+        left_out.add(f"{path.name}, line {line}", why)
+    for name in lacking:
+        left_out.add(name, f"no floor in {path.name}, so not judged")
+    return found
+
+
+def _plain(name: str) -> str:
+    """Return the name of a photograph without its ending; a number after a dot is none."""
+    return re.sub(r"\.[A-Za-z][A-Za-z0-9]{1,4}$", "", name.replace("\\", "/").removeprefix("./"))
+
+
+def _names(frame: Frame) -> list[str]:
+    """Return what a row may name a photograph by: its id, its path or the end of that."""
+    parts = frame.path.parts
+    return [frame.id, *(_plain("/".join(parts[start:])) for start in range(len(parts)))]
+
+
+class Truth:
+    """The floor (or place) of each photograph, from a CSV with columns `frame` and `floor`; some may have none."""
+
+    def __init__(self, path: Path, frames: Iterable[Frame], left_out: LeftOut | None = None) -> None:
+        self.left_out = left_out or LeftOut()
+        self._frames = {frame.id: frame for frame in frames}
+        labels = labels_of(path, list(self._frames.values()), {"floor": ()}, self.left_out)
+        self._floors = {id: floor for id, (floor,) in labels.items()}
 
     def same_floor(self, one: str, other: str) -> bool:
-        """Whether two keyframes were taken on one floor."""
-        return self._floors[one] == self._floors[other]
+        """Whether two keyframes were taken on one floor, as far as is known."""
+        floors = self._floors
+        return one not in floors or other not in floors or floors[one] == floors[other]
 
     def right(self, query: str, answer: str) -> bool:
         """Whether `answer` is a loop found: on the same floor, in another video or far enough in this one."""
         a, b = self._frames[query], self._frames[answer]
-        return self.same_floor(query, answer) and (a.video != b.video or abs(a.number - b.number) >= MIN_FRAMES_APART)
+        is_known = query in self._floors and answer in self._floors
+        return is_known and self.same_floor(query, answer) and (a.video != b.video or abs(a.number - b.number) >= MIN_FRAMES_APART)
 
     def lists(self, query: str, earlier: Iterable[str]) -> tuple[list[str], list[str]]:
         """Return the right answers among earlier keyframes, and those that are neither right nor wrong."""
         same = [id for id in earlier if self.same_floor(query, id)]
         return [id for id in same if self.right(query, id)], [id for id in same if not self.right(query, id)]
-
-
-def _names(frame: Frame) -> list[str]:
-    """Return what a row may name a photograph by: its id, its path or the end of that, its stem."""
-    parts = frame.path.parts
-    return [frame.id, *("/".join(parts[start:]) for start in range(len(parts))), frame.path.stem]
 
 
 @dataclass

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import RevisitError
+from ...left_out import LeftOut
 from ..frames import Frame, list_frames
+from ..ids import plain_id
 from ..tracking import session_name
-from .floors import Floors
+from ..truth import labels_of
 
 # The server asks at most this many maps at once.
 MAX_MAPS = 64
 MAX_NAME = 100
+SPLITS = ("gallery", "query")
 FLOOR_PREFIX, VIDEO_PREFIX = "floor-", "video-"
 
 
@@ -38,6 +40,7 @@ class Collection:
 
     gallery: list[Shot]
     queries: list[Shot]
+    left_out: LeftOut
 
     @property
     def maps(self) -> list[str]:
@@ -55,23 +58,28 @@ def open_collection(gallery: Path, queries: Path, truth: Path | None) -> Collect
     is_one = gallery.resolve() == queries.resolve()
     if is_one and truth is None:
         raise RevisitError(f"--queries {queries}: the gallery's own folder; --truth CSV with a column `split` must part it")
-    floors = Floors(truth, with_split=is_one) if truth is not None else None
-    if is_one:
-        assert floors is not None
-        known, asking = floors.split(list_frames(gallery))
-    else:
-        known, asking = list_frames(gallery), list_frames(queries)
-    collection = Collection([_shot(frame, floors) for frame in known], [_shot(frame, floors) for frame in asking])
+    left_out, columns = LeftOut(), {"floor": (), **({"split": SPLITS} if is_one else {})}
+    parts: dict[str, list[Shot]] = {part: [] for part in SPLITS}
+    for folder, part in zip((gallery,) if is_one else (gallery, queries), SPLITS):
+        frames = list_frames(folder, left_out)
+        labels = labels_of(truth, frames, columns, left_out) if truth is not None else {frame.id: (None,) for frame in frames}
+        for frame in frames:
+            if frame.id in labels:
+                floor, *split = labels[frame.id]
+                parts[split[0] if split else part].append(_shot(frame, floor))
+    for part, shots in parts.items():
+        if not shots:
+            raise RevisitError(f"{truth}: no photograph of the folder has the split {part}")
+    collection = Collection(*parts.values(), left_out)
     _check_maps(collection)
     return collection
 
 
-def _shot(frame: Frame, floors: Floors | None) -> Shot:
+def _shot(frame: Frame, floor: str | None) -> Shot:
     session = session_name(frame.video, 1)
-    if floors is None:
+    if floor is None:
         return Shot(frame, VIDEO_PREFIX + session, session, is_judged=False)
-    floor = re.sub(r"[^A-Za-z0-9._:-]", "_", floors.of(frame).floor)[:MAX_NAME]
-    return Shot(frame, FLOOR_PREFIX + floor, session, is_judged=True)
+    return Shot(frame, FLOOR_PREFIX + plain_id(floor, MAX_NAME), session, is_judged=True)
 
 
 def _check_maps(collection: Collection) -> None:

@@ -11,6 +11,7 @@ import msgspec
 
 from ...client import Client
 from ...errors import RevisitError
+from ...left_out import LeftOut
 from ...server import Server
 from ..global_descriptors import MODELS
 from ..training import train_vocabulary
@@ -39,7 +40,7 @@ def locate(chosen: argparse.Namespace) -> int:
     """Run the command."""
     collection = open_collection(chosen.gallery, chosen.queries, chosen.truth)
     protocols = list(PROTOCOLS) if collection.is_judged else UNJUDGED
-    gallery = _look(chosen, "gallery", collection.gallery, None)
+    gallery = _look(chosen, "gallery", collection.gallery, collection.left_out)
     vocabulary = _vocabulary(gallery)
     bodies = Bodies(vocabulary, Binariser(sight.gradients for sight in gallery), WORDS in chosen.channels)
     with contextlib.ExitStack() as stack:
@@ -48,11 +49,13 @@ def locate(chosen: argparse.Namespace) -> int:
         if chosen.server:
             _refuse_used_maps(client, collection)
         send_gallery(client, gallery, bodies, chosen.threads)
-        queries = _look(chosen, "photographs that ask", collection.queries, chosen.distort)
-        asking = Asking(client, bodies, collection.gallery, protocols)
+        queries = _look(chosen, "queries", collection.queries, collection.left_out, chosen.distort)
+        asking = Asking(client, bodies, [sight.shot for sight in gallery], protocols)
         asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))
     others = _ordinary(chosen, gallery, queries) if chosen.orb and collection.is_judged else []
     print(_printed(chosen, collection, asked, others))
+    for told in collection.left_out.told():
+        print(f"revisit-play: {told}", file=sys.stderr)
     return 0
 
 
@@ -75,10 +78,13 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
     return msgspec.json.encode({"protocols": figures, "reliability": levels}).decode()
 
 
-def _look(chosen: argparse.Namespace, what: str, shots: list[Shot], distortion: str | None) -> list[Sight]:
-    return list(
+def _look(
+    chosen: argparse.Namespace, what: str, shots: list[Shot], left_out: LeftOut, distortion: str | None = None
+) -> list[Sight]:
+    sights = list(
         look(
             shots,
+            left_out,
             threads=chosen.threads,
             cache=chosen.cache,
             focal_px=chosen.focal_px,
@@ -88,6 +94,9 @@ def _look(chosen: argparse.Namespace, what: str, shots: list[Shot], distortion: 
             progress=_progress(what, len(shots)),
         )
     )
+    if not sights:
+        raise RevisitError("; ".join((f"no photograph of the {what} can be read", *left_out.told())))
+    return sights
 
 
 def _vocabulary(gallery: list[Sight]) -> Vocabulary:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ...left_out import LeftOut, Unreadable
 from ..camera import FOCAL_SHARE, Camera
 from ..features import Features, features_of
 from ..reader import Line, Reader
@@ -39,6 +40,7 @@ class Sight:
 
 def look(
     shots: list[Shot],
+    left_out: LeftOut,
     *,
     threads: int,
     cache: Path | None = None,
@@ -48,7 +50,7 @@ def look(
     distortion: str | None = None,
     progress: Callable[[], None] = lambda: None,
 ) -> Iterator[Sight]:
-    """Yield what is in each photograph, in order. Each reading engine serves one thread at a time."""
+    """Yield what is in each photograph that can be read, in order. Each reading engine serves one thread at a time."""
     readers: queue.SimpleQueue[Reader | None] = queue.SimpleQueue()
     for _ in range(threads):
         readers.put(Reader(cache) if signs else None)
@@ -56,7 +58,7 @@ def look(
     # The network's session may serve several threads.
     network = GlobalDescriptors(global_model) if global_model else None
 
-    def sight(shot: Shot) -> Sight:
+    def sight(shot: Shot) -> Sight | None:
         reader = readers.get()
         try:
             data, image = shot.frame.picture()
@@ -66,6 +68,9 @@ def look(
                 image = DISTORTIONS[distortion](image)
                 data += distortion.encode()
             lines = reader.read(data, image) if reader is not None else []
+        except Unreadable as error:
+            left_out.add(error.name, error.why)
+            return None
         finally:
             readers.put(reader)
         return Sight(
@@ -79,13 +84,15 @@ def look(
         )
 
     with ThreadPoolExecutor(threads) as pool:
-        ahead: deque[Future[Sight]] = deque()
+        ahead: deque[Future[Sight | None]] = deque()
         try:
             for shot in itertools.chain(shots, [None]):
                 if shot is not None:
                     ahead.append(pool.submit(sight, shot))
                 while ahead and (shot is None or len(ahead) > 2 * threads):
-                    yield ahead.popleft().result()
+                    seen = ahead.popleft().result()
+                    if seen is not None:
+                        yield seen
                     progress()
         finally:
             for future in ahead:
