@@ -14,6 +14,7 @@ MARKS = (
     (codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
 )  # fmt: skip
+MCAP = b"\x89MCAP0\r\n"
 # How files begin, what they are, and what to do with them.
 BEGINNINGS = (
     (b"version https://git-lfs", "a pointer of Git LFS: `git lfs pull` fetches the file itself"),
@@ -22,7 +23,7 @@ BEGINNINGS = (
     (b"BZh", "compressed with bzip2: unpack it (`bunzip2`)"),
     (b"PK\x03\x04", "a zip archive: unpack it"),
     (b"\xfd7zXZ", "compressed with xz: unpack it (`unxz`)"),
-    (b"\x89MCAP0\r\n", "a ROS 2 recording (MCAP)"),
+    (MCAP, "a ROS 2 recording (MCAP)"),
     (b"#ROSBAG", "a ROS 1 bag"),
     (b"SQLite format 3\0", "an SQLite database"),
     (b"\x89PNG", "a PNG picture"),
@@ -33,6 +34,12 @@ BEGINNINGS = (
     (b"<html", "a web page"),
     (b"<?xml", "an XML document"),
 )
+# What saves what is in a recording or a database that was not closed, or is damaged.
+MENDED = {
+    "a ROS 2 recording (MCAP)": "`mcap recover {0} -o OUT.mcap` saves what is in it",
+    "a ROS 1 bag": "`rosbag reindex {0}` saves what is in it",
+    "an SQLite database": "`sqlite3 {0} .recover | sqlite3 OUT.db` saves what is in it",
+}
 FIRST_BYTES = 64
 # What is written in letters, and is never the text that was meant.
 NO_TEXTS = (b"version https://git-lfs", b"<!doctype html", b"<html")
@@ -56,6 +63,14 @@ def first_bytes(path: Path) -> bytes:
             return file.read(FIRST_BYTES)
     except OSError as error:
         raise RevisitError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def how_to_mend(path: Path) -> str:
+    """Return the next step with a file that its reader cannot open, or else what it looks like; nothing where neither is known."""
+    if path.is_dir():
+        return f"`ros2 bag reindex {path}` writes the metadata.yaml of a bag's folder"
+    form = what_is(first_bytes(path))
+    return MENDED.get(form, f"it looks like this: {form}" if form else "").format(path)
 
 
 def text_of(path: Path, form: str = "a text") -> str:

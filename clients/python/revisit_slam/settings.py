@@ -26,7 +26,7 @@ THIS_MACHINE = "localhost,127.0.0.0/8,::1,0.0.0.0,::"
 def http_settings(url: str, key: str | None, timeout_s: float) -> dict[str, Any]:
     """Return the arguments of an httpx client; without a key no header is sent."""
     address = httpx.URL(address_of(url))
-    headers = {"authorization": f"Bearer {key}"} if key else {}
+    headers = {"authorization": f"Bearer {key.strip()}"} if key else {}
     # By itself httpx would fail at any proxy of the environment, also at one that is not on the way to this server.
     found: dict[str, Any] = {"base_url": address, "headers": headers, "timeout": httpx.Timeout(timeout_s), "trust_env": False}
     if address.scheme == "https":

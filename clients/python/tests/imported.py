@@ -49,6 +49,13 @@ def imported(source: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], *
     keyframes = {line["id"]: line["body"] for line in lines if line["op"] == "keyframe"}
     loops = [(line["body"]["keyframe"], line["body"]["candidate"]) for line in lines if line["op"] == "loop"]
     assert lines[0]["op"] == "map"
+    written: set[str] = set()
+    for line in lines[1:]:
+        # Nothing names what is not in the recording.
+        named = [line["body"]["keyframe"], line["body"]["candidate"]] if line["op"] == "loop" else []
+        named += [other["keyframe"] for other in line.get("body", {}).get("covisible", [])]
+        assert written.issuperset(named), line
+        written.add(line.get("id", ""))
     return Imported(lines[0]["body"], keyframes, loops, lines, told, output)
 
 

@@ -123,7 +123,7 @@ class ObservationsBridge:
             covisible=self._covisible(),
             detections=detections_of(found["detections"].detections, self._camera, pose, picture, self._setup.reading),
         )  # fmt: skip
-        body = seen.body(id)
+        body = seen.body()
         if self._setup.describe is not None:
             depth_m = depth_of(found["depth"]) if self._setup.has_depth else None
             body |= self._setup.describe(picture, depth_m, self._camera, pose, self._count * POINTS_A_KEYFRAME)

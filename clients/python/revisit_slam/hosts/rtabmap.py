@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..imports.damage import Account
 from ..imports.limits import MAX_KEYFRAMES
 from ..imports.poses import body as pose_body
 from ..imports.poses import inverse, moved
@@ -100,17 +102,22 @@ class RtabmapBridge:
         return Link(query.id, candidate.id, inverse(edge.to_from_from), information, edge)
 
     def _map_data(self, message: Any) -> None:
-        graph = graph_of(message.graph, "MapData")
+        # The next message has the graph again, and is to be told of again.
+        account = Account("MapData")
+        graph = graph_of(message.graph, account, "MapData")
         for node in message.nodes:
-            self._node(node, graph)
+            with account.part(f"node {node.id}") as where:
+                self._node(node, graph, where)
         self._accepted(graph)
         self._correct(graph)
+        for line in account.told():
+            logging.getLogger(__name__).warning("MapData: %s", line)
 
-    def _node(self, node: Any, graph: Graph) -> None:
+    def _node(self, node: Any, graph: Graph, where: str) -> None:
         id = int(node.id)
         if id in self._names or len(self._names) >= MAX_KEYFRAMES:
             return
-        seen = observation_of(node, graph, self._name, "MapData")
+        seen = observation_of(node, graph, self._name, where)
         if seen is None:
             return
         for one, other, kind in graph.links:
@@ -118,7 +125,7 @@ class RtabmapBridge:
             # Of loops the server is asked; that consecutive nodes see the same it need not find out.
             if near is not None and kind in CONSECUTIVE:
                 seen.covisible[near] = 1
-        if not self._bridge.send(seen.id, seen.body(f"MapData: node {id}")):
+        if not self._bridge.send(seen.id, seen.body()):
             return
         self._names[id] = seen.id
         if len(self._followed) >= MAX_FOLLOWED:

@@ -11,7 +11,7 @@ import msgspec
 
 from ..errors import RevisitError
 from ..pixels.recording import Recording
-from .damage import in_one_line
+from .damage import in_one_line, one_line
 from .opened import Opened, Wanted
 from .opening import open_file
 
@@ -27,6 +27,7 @@ class Counts:
     words: int = 0
     detections: int = 0
     loops: int = 0
+    left_out: int = 0
 
     def told(self) -> str:
         """Return it for a person."""
@@ -42,15 +43,15 @@ def play_import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
 def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     wanted = Wanted(chosen.session, chosen.metres_per_unit, chosen.topic, chosen.database)
     opened = open_file(chosen.source, chosen.form, wanted)
-    body = {"description": f"{opened.system} {chosen.source.resolve().name}", "metric": opened.metric, "settings": settings}
+    name = chosen.source.resolve().name.encode("utf-8", "replace").decode()
+    body = {"description": f"{opened.system} {name}", "metric": opened.metric, "settings": settings}
     with Recording(chosen.output) as recording:
         recording.map(chosen.map, body)
-        counts = _write(opened, recording, str(chosen.source), chosen.query)
+        counts = _write(opened, recording, chosen.query)
         if not counts.keyframes:
-            # The notes tell why.
             raise RevisitError("; ".join((f"{chosen.source}: no keyframe in it", *opened.notes)))
-    for note in opened.notes:
-        print(f"revisit-play: {note}", file=sys.stderr)
+    for line in opened.notes:
+        print(f"revisit-play: {one_line(line)}", file=sys.stderr)
     if chosen.json:
         print(msgspec.json.encode(vars(counts)).decode())
     else:
@@ -59,10 +60,10 @@ def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     return 0
 
 
-def _write(opened: Opened, recording: Recording, source: str, query: bool) -> Counts:
+def _write(opened: Opened, recording: Recording, query: bool) -> Counts:
     counts = Counts()
     for seen in opened.keyframes():
-        recording.keyframe(seen.id, seen.body(f"{source}: keyframe {seen.id}"))
+        recording.keyframe(seen.id, seen.body())
         if query:
             recording.query(seen.id, None)
         for earlier in seen.loops:
@@ -75,4 +76,5 @@ def _write(opened: Opened, recording: Recording, source: str, query: bool) -> Co
         counts.features += len(seen.features.points) if seen.features is not None else 0
         counts.words += len(seen.words or ())
         counts.detections += len(seen.detections)
+    counts.left_out = opened.account.left_out.count
     return counts

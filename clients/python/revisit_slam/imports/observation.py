@@ -108,12 +108,15 @@ class Observation:
     """Earlier keyframes to which the system closed a loop from this one."""
     detections: list[dict[str, Any]] = field(default_factory=list)
 
-    def body(self, where: str) -> dict[str, Any]:
-        """Return the body of its `PUT`; `where` names it where it cannot be one."""
+    def __post_init__(self) -> None:
+        # Before any later keyframe can name it, or count on the points that it places.
         if not abs(self.stamp_ns) <= MAX_STAMP_NS:
-            raise RevisitError(f"{where}: its time {self.stamp_ns / SECOND_NS:g} s is none")
+            raise RevisitError(f"its time {self.stamp_ns / SECOND_NS:g} s is none")
         if len(self.observes) > MAX_OBSERVED_POINTS:
-            raise RevisitError(f"{where} observes {len(self.observes)} map points; at most {MAX_OBSERVED_POINTS} are taken")
+            raise RevisitError(f"it observes {len(self.observes)} map points; at most {MAX_OBSERVED_POINTS} are taken")
+
+    def body(self) -> dict[str, Any]:
+        """Return the body of its `PUT`."""
         body: dict[str, Any] = {
             "session": self.session,
             "stamp": {"sec": self.stamp_ns // SECOND_NS, "nanosec": self.stamp_ns % SECOND_NS},

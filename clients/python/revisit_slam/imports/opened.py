@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..pixels.ids import plain_id
 from .arguments import MAX_SESSION
+from .damage import Account
 from .observation import Observation
 
 
@@ -34,5 +35,10 @@ class Opened:
     metric: bool
     keyframes: Callable[[], Iterator[Observation]]
     """Reads them in order of time; an observation names only earlier ones."""
-    notes: list[str] = field(default_factory=list)
-    """What a person should know of what is left out or assumed; reading may add to it."""
+    account: Account
+    """Reading adds to it."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know of what is assumed and left out."""
+        return self.account.told()

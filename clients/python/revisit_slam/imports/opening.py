@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import RevisitError
-from .damage import told_of
+from ..files import MCAP, first_bytes, how_to_mend, what_is
 from .opened import Opened, Wanted
 from .sqlite_file import MAGIC as SQLITE
 from .sqlite_file import tables
 
 # A table that only one system's databases have; the last is that of a ROS 2 bag.
 TABLES = {"colmap": "two_view_geometries", "rtabmap": "Node", "stella": "keyframes", "mcap": "topics"}
-MCAP = b"\x89MCAP0\r\n"
-FIRST_BYTES = 16
+MODEL_FILES = ("cameras", "images", "points3D")
 KNOWN = "a COLMAP model's folder or database, an RTAB-Map or stella_vslam map, or a ROS 2 recording (MCAP) with rtabmap_msgs/MapData"
 
 
@@ -43,28 +42,38 @@ def open_file(path: Path, form: str, wanted: Wanted) -> Opened:
         from .stella.packed import open_packed
 
         return open_stella(path, wanted) if _is_sqlite(path) else open_packed(path, wanted)
-    raise RevisitError(f"{path}: not {KNOWN}")
+    raise RevisitError(f"{path}: not {KNOWN}{_told_instead(path)}")
 
 
 def _is_sqlite(path: Path) -> bool:
-    with told_of(path, "the reader"), path.open("rb") as file:
-        return file.read(len(SQLITE)) == SQLITE
+    return first_bytes(path).startswith(SQLITE)
 
 
 def _form(path: Path) -> str:
     if path.is_dir():
-        return "mcap" if (path / "metadata.yaml").is_file() else "colmap"
-    with told_of(path, "the reader"), path.open("rb") as file:
-        first = file.read(FIRST_BYTES)
+        return "mcap" if any(next(path.glob(name), None) for name in ("metadata.yaml", "*.mcap", "*.db3")) else "colmap"
+    first = first_bytes(path)
     if first.startswith(MCAP):
         return "mcap"
-    if first == SQLITE:
+    if first.startswith(SQLITE):
         found = tables(path)
         for form, table in TABLES.items():
             if table in found:
                 return form
-        raise RevisitError(f"{path}: a database of none of the systems: it has {', '.join(sorted(found)[:12]) or 'no tables'}")
+        lacks = "no tables (where it was copied, its `-wal` is a part of it)"
+        raise RevisitError(f"{path}: a database of none of the systems: it has {', '.join(sorted(found)[:12]) or lacks}")
     return "stella" if _is_map_of_msgpack(first) else "unknown"
+
+
+def _told_instead(path: Path) -> str:
+    """Return what a file looks like that is none of the known ones, and the next step."""
+    first = first_bytes(path)
+    if path.name.split(".")[0] in MODEL_FILES:
+        return f"; of a COLMAP model its folder is imported: {path.absolute().parent}"
+    if first.startswith(b"#ROSBAG"):
+        return f", but a ROS 1 bag ({how_to_mend(path)}): import RTAB-Map's own database; `revisit-play bag` plays its pictures"
+    looks = what_is(first) or ("a text" if first.isascii() and b"\0" not in first else "")
+    return f", but it looks like this: {looks}" if looks else ""
 
 
 def _is_map_of_msgpack(first: bytes) -> bool:

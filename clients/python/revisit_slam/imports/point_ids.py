@@ -9,6 +9,7 @@ from ..errors import RevisitError
 PAGE_BITS = 65_536
 # 128 MiB of bits. Systems number points one after the other; what needs more is not numbered but damaged.
 MAX_PAGES = 16_384
+NEAR_IDS = MAX_PAGES * PAGE_BITS
 
 
 class PointIds:

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 
 from ..errors import RevisitError
+from .damage import Account
 from .limits import MAX_COORDINATE_M, MAX_POINT_ID
 
 ROWS_AT_ONCE = 20_000
@@ -16,46 +17,60 @@ CACHE_KIB = 32 * 1024
 
 
 class PointStore:
-    """A table of positions in a folder of the run."""
+    """A table of positions in a folder of the run.
 
-    def __init__(self, folder: Path, name: str) -> None:
-        self._name = name
-        self._rows: list[tuple[int, float, float, float]] = []
+    Ids are of 64 bits, with a sign or without. Where one is not below `near`, as hashes are not, the server is told of each
+    point by its number in the order of the file.
+    """
+
+    def __init__(self, folder: Path, account: Account, near: int = MAX_POINT_ID) -> None:
+        self._account, self._near = account, near
+        self.are_far = False
+        self._added = 0
+        self._rows: list[tuple[int, int, float | None, float, float]] = []
         self._table = sqlite3.connect(folder / "points.db", isolation_level=None)
         # Lost with the run, so that nothing need survive a crash.
         for pragma in ("journal_mode=off", "synchronous=off", f"cache_size=-{CACHE_KIB}", "locking_mode=exclusive"):
             self._table.execute(f"pragma {pragma}")
-        self._table.execute("create table points(id integer primary key, x real, y real, z real)")
+        self._table.execute("create table points(id integer primary key, number integer, x real, y real, z real)")
         self._table.execute("begin")
         self.count = 0
 
     def add(self, id: int, x: float, y: float, z: float) -> None:
-        """Add a point; of one id the last counts."""
-        if not (0 <= id <= MAX_POINT_ID and all(abs(value) <= MAX_COORDINATE_M for value in (x, y, z))):
-            raise RevisitError(f"{self._name}: point {id} at ({x:g}, {y:g}, {z:g}) is no map point")
-        self._rows.append((id, x, y, z))
+        """Add a point; of one id the last counts, and one at no place is left out."""
+        is_placed = all(abs(value) <= MAX_COORDINATE_M for value in (x, y, z))
+        if not is_placed:
+            self._account.left_out.add(f"point {id}", "its position is no place")
+        self.are_far |= not 0 <= id < self._near
+        self._rows.append((signed(id), self._added, x if is_placed else None, y, z))
+        self._added += 1
+        self.count += is_placed
         if len(self._rows) >= ROWS_AT_ONCE:
             self._flush()
 
     def find(self, ids: Iterable[int], where: str, *, may_lack: bool = False) -> dict[int, tuple[float, float, float]]:
-        """Return where points are; `where` names what observes them. With `may_lack` those that are not there are left out."""
+        """Return where points are, by the ids that the server is told; `where` names what observes them.
+
+        Those at no place are left out, and with `may_lack` those that are not there.
+        """
         self._flush()
         found: dict[int, tuple[float, float, float]] = {}
-        ids = list(ids)
+        ids, there = list(ids), set()
         for start in range(0, len(ids), IDS_AT_ONCE):
             some = ids[start : start + IDS_AT_ONCE]
             marks = ",".join("?" * len(some))
-            for id, *position in self._table.execute(f"select id, x, y, z from points where id in ({marks})", some):
-                found[id] = tuple(position)
-        missing = next((id for id in ids if id not in found), None)
+            for id, number, x, y, z in self._table.execute(f"select * from points where id in ({marks})", some):
+                there.add(id)
+                if x is not None:
+                    found[number if self.are_far else id] = (x, y, z)
+        missing = next((id for id in ids if id not in there), None)
         if missing is not None and not may_lack:
             raise RevisitError(f"{where} observes point {missing}, which is not there")
         return found
 
     def _flush(self) -> None:
         # Sorted, so that a page is written once.
-        self._table.executemany("insert or replace into points values (?, ?, ?, ?)", sorted(self._rows))
-        self.count += len(self._rows)
+        self._table.executemany("insert or replace into points values (?, ?, ?, ?, ?)", sorted(self._rows, key=lambda row: row[:2]))
         self._rows = []
 
     def __enter__(self) -> PointStore:
@@ -63,3 +78,10 @@ class PointStore:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._table.close()
+
+
+def signed(id: int) -> int:
+    """Return an id of 64 bits as the one with a sign that has the same bits."""
+    if not -(2**63) <= id < 2**64:
+        raise RevisitError(f"point {id}: an id has 64 bits at most")
+    return (id + 2**63) % 2**64 - 2**63

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import RevisitError
+from ..files import first_bytes
 from .damage import told_of
 from .limits import MAX_PIECE_BYTES
 
@@ -19,16 +20,28 @@ CACHE_KIB = 16 * 1024
 def reading(path: Path) -> Iterator[sqlite3.Connection]:
     """Open a database; nothing is written to it or beside it. What SQLite refuses is one line."""
     with told_of(path, "SQLite"):
-        connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+        beside = [name for name in (f"{path.name}-journal", f"{path.name}-wal") if path.with_name(name).exists()]
+        # Where a database keeps a log SQLite makes the log's files even to read; where none is beside it, nobody writes.
+        way = "mode=ro&immutable=1" if first_bytes(path)[18:19] == b"\2" and not beside else "mode=ro"
+        connection = sqlite3.connect(f"{path.absolute().as_uri()}?{way}", uri=True)
         try:
             if hasattr(connection, "setlimit"):  # Since Python 3.11.
                 connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_PIECE_BYTES)
+            # Names of files may be in another encoding than texts are.
+            connection.text_factory = lambda text: text.decode("utf-8", "surrogateescape")
             connection.execute(f"pragma cache_size=-{CACHE_KIB}")
             # Large sorts go to disk.
             connection.execute("pragma temp_store=1")
             # A damaged file must not call functions from its schema.
             connection.execute("pragma trusted_schema=off")
             yield connection
+        except sqlite3.OperationalError as error:
+            if "locked" in str(error):
+                raise RevisitError(f"{path}: another program writes to it: end that, or import a copy") from error
+            if beside:
+                told = f"{beside[0]} beside it says that writing did not end: open it once with the program that wrote it"
+                raise RevisitError(f"{path}: {error}; {told}, or with `sqlite3 {path} .tables`") from error
+            raise
         finally:
             connection.close()
 

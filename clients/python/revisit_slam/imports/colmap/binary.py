@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ...errors import RevisitError
+from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from .cameras import parameter_count, pinhole
 from .entries import Camera, Image, model_file
@@ -29,14 +30,14 @@ class BinaryModel:
     def __init__(self, model: Path) -> None:
         self._files = {name: File(model_file(model, name, "bin")) for name in ("cameras", "images", "points3D")}
 
-    def cameras(self) -> dict[int, Camera]:
-        """Return the cameras by their ids."""
+    def cameras(self, account: Account) -> dict[int, Camera]:
+        """Return the cameras by their ids; one that is wrong is left out."""
         file, found = self._files["cameras"], {}
         for _ in range(file.count("cameras", CAMERA.size)):
             id, model, width, height = file.unpack(CAMERA)
-            where = f"{file.path}: camera {id}"
-            params = file.read(8 * parameter_count(model, where))
-            found[id] = Camera(*pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where))
+            params = file.read(8 * parameter_count(model, f"{file.path}: camera {id}"))
+            with account.part(f"camera {id}") as where:
+                found[id] = Camera(*pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where))
         return found
 
     def points(self) -> Iterator[tuple[int, float, float, float]]:
@@ -62,7 +63,7 @@ class BinaryModel:
             yield Image(name, camera, (w, x, y, z), (tx, ty, tz), offset, features)
 
     def observed(self, image: Image) -> np.ndarray:
-        """Return the ids of the points that an image observes, feature by feature; -1 where a feature has none."""
+        """Return the ids of the points that an image observes, feature by feature, with a sign; -1 where a feature has none."""
         file, size = self._files["images"], image.observations * FEATURE.itemsize
         if size > MAX_PIECE_BYTES:
             raise RevisitError(f"{file.path}: image {image.name} has {image.observations} features; that is no image")
@@ -116,7 +117,7 @@ class File:
         if end < 0:
             raise RevisitError(f"{self.path}: at byte {begun} an image's name does not end")
         self._file.seek(begun + end + 1)
-        return data[:end].decode("utf-8", "replace")
+        return data[:end].decode("utf-8", "surrogateescape")
 
     def tell(self) -> int:
         """Return where the next byte stands."""

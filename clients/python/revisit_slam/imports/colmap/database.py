@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import RevisitError
 from ...needed import needed
 from ...pixels.ids import ids_of_names, plain_id
-from ..damage import told_of
+from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES
 from ..observation import SECOND_NS, Observation
 from ..opened import Opened, Wanted
@@ -39,12 +39,13 @@ MAX_IMAGE_ID = 2**31 - 1
 class Pairs:
     """Verified pairs of images of a database, by name."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, account: Account) -> None:
         self._path = path
         self._ids: dict[str, int] = {}
         self._names: dict[int, str] = {}
         self._unknown = 0
         need_columns(path, tables(path), TABLES, "database of COLMAP")
+        needed("pycolmap")
         with reading(path) as connection:
             for id, name in connection.execute("select image_id, name from images"):
                 self._ids[str(name)], self._names[id] = id, str(name)
@@ -53,9 +54,10 @@ class Pairs:
             self._neighbours: dict[int, dict[int, int]] = {}
             rows = connection.execute("select pair_id, rows from two_view_geometries where rows >= ?", (MIN_INLIERS,))
             for pair, inliers in rows:
-                first, second = self._images(pair)
-                self._neighbours.setdefault(first, {})[second] = int(inliers)
-                self._neighbours.setdefault(second, {})[first] = int(inliers)
+                with account.part(f"pair {pair}") as where:
+                    first, second = self._images(pair, where)
+                    self._neighbours.setdefault(first, {})[second] = int(inliers)
+                    self._neighbours.setdefault(second, {})[first] = int(inliers)
 
     def earlier(self, name: str, known: dict[str, str]) -> dict[str, int]:
         """Return the keyframes among the known ones that an image matches, and by how many inliers."""
@@ -70,13 +72,13 @@ class Pairs:
         """Return what a person should know."""
         return [f"{self._unknown} of the model's images are not in {self._path}"] if self._unknown else []
 
-    def _images(self, pair: Any) -> tuple[int, int]:
+    def _images(self, pair: Any, where: str) -> tuple[int, int]:
         if not isinstance(pair, int) or not 0 <= pair < MAX_IMAGE_ID * (MAX_IMAGE_ID + 1):
-            raise RevisitError(f"{self._path}: pair {pair} is no number of two images")
+            raise RevisitError(f"{where} is no number of two images")
         first, second = needed("pycolmap").pair_id_to_image_pair(pair)
         for id in (first, second):
             if id not in self._names:
-                raise RevisitError(f"{self._path}: pair {pair} is of image {id}, which is not in it")
+                raise RevisitError(f"{where} is of image {id}, which is not in it")
         return first, second
 
 
@@ -85,50 +87,50 @@ def open_database(path: Path, wanted: Wanted) -> Opened:
     found = tables(path)
     need_columns(path, found, TABLES, "database of COLMAP")
     has_priors = set(PRIOR) <= found["images"]
-    notes: list[str] = []
+    account = Account(path)
 
     def keyframes() -> Iterator[Observation]:
         with told_of(path, "SQLite"):
-            yield from _keyframes(path, has_priors, wanted, notes)
+            yield from _keyframes(path, has_priors, wanted, account)
 
-    return Opened("COLMAP database", wanted.metres_per_unit is not None, keyframes, notes)
+    return Opened("COLMAP database", wanted.metres_per_unit is not None, keyframes, account)
 
 
-def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
-    pairs, without = Pairs(path), 0
+def _keyframes(path: Path, has_priors: bool, wanted: Wanted, account: Account) -> Iterator[Observation]:
+    pairs, without = Pairs(path, account), 0
     earlier: dict[str, str] = {}
     session = wanted.name(path)
     with reading(path) as connection:
         cameras = {}
         for id, model, width, height, params in connection.execute("select camera_id, model, width, height, params from cameras"):
-            where = f"{path}: camera {id}"
-            if not all(isinstance(value, int) for value in (model, width, height)) or not isinstance(params, bytes) or len(params) % 8:
-                raise RevisitError(f"{where}: its model, size and parameters are of another kind")
-            cameras[id] = pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where)[0]
+            with account.part(f"camera {id}") as where:
+                if not all(isinstance(value, int) for value in (model, width, height)) or not isinstance(params, bytes) or len(params) % 8:
+                    raise RevisitError(f"{where}: its model, size and parameters are of another kind")
+                cameras[id] = pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where)[0]
         ids = ids_of_names(str(name) for (name,) in connection.execute("select name from images"))
         columns = ", ".join(("name", "camera_id", *PRIOR)) if has_priors else "name, camera_id"
         for number, (name, camera, *prior) in enumerate(connection.execute(f"select {columns} from images order by name"), 1):
-            where = f"{path}: image {name}"
-            if camera not in cameras:
-                raise RevisitError(f"{where} is of camera {camera}, which is not in it")
-            pose = _prior(prior, wanted.metres_per_unit or 1.0, where)
-            without += pose is None
-            id = ids[str(name)]
-            if str(name) in earlier:
-                raise RevisitError(f"{where} is in it twice")
-            yield Observation(
-                # What nothing places against the others is a session of its own: none of its distances mean anything.
-                id, session if pose is not None else plain_id(f"{session}-{number}"), number * SECOND_NS,
-                np.eye(4) if pose is None else pose, cameras[camera], covisible=pairs.earlier(str(name), earlier),
-            )  # fmt: skip
-            earlier[str(name)] = id
+            with account.part(f"image {name}") as where:
+                if camera not in cameras:
+                    raise RevisitError(f"{where} is of camera {camera}, which is not in it")
+                pose = _prior(prior, wanted.metres_per_unit or 1.0, where)
+                if str(name) in earlier:
+                    raise RevisitError(f"{where} is in it twice")
+                seen = Observation(
+                    # What nothing places against the others is a session of its own: none of its distances mean anything.
+                    ids[str(name)], session if pose is not None else plain_id(f"{session}-{number}"), number * SECOND_NS,
+                    np.eye(4) if pose is None else pose, cameras[camera], covisible=pairs.earlier(str(name), earlier),
+                )  # fmt: skip
+                without += pose is None
+                earlier[str(name)] = seen.id
+                yield seen
     if without:
-        notes.append(
+        account.notes.append(
             f"{without} images have no prior pose: each is a session of its own, at its origin; a model has poses "
             f"(revisit-play import MODEL --database {path.name})"
         )
-    notes.append("no times in a database: images are taken as a second apart, in order of their names")
-    notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
+    account.notes.append("no times in a database: images are taken as a second apart, in order of their names")
+    account.notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
 
 
 def _prior(numbers: list[Any], scale: float, where: str) -> np.ndarray | None:

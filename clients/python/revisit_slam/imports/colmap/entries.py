@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ..damage import Account
 from ..observation import Pinhole
 
 
@@ -37,8 +38,8 @@ class Image:
 class ModelFiles(Protocol):
     """The three files of a model, read piece by piece: none of them is ever in memory."""
 
-    def cameras(self) -> dict[int, Camera]:
-        """Return the cameras by their ids."""
+    def cameras(self, account: Account) -> dict[int, Camera]:
+        """Return the cameras by their ids; one that is wrong is left out."""
 
     def points(self) -> Iterator[tuple[int, float, float, float]]:
         """Yield the points: id, x, y, z."""
@@ -47,7 +48,7 @@ class ModelFiles(Protocol):
         """Yield the images in the order of the file."""
 
     def observed(self, image: Image) -> np.ndarray:
-        """Return the ids of the points that an image observes, feature by feature; -1 where a feature has none."""
+        """Return the ids of the points that an image observes, feature by feature, with a sign; -1 where a feature has none."""
 
     def close(self) -> None:
         """Close the files."""

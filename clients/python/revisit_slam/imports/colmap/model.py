@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import RevisitError
+from ...needed import needed
 from ...pixels.ids import ids_of_names
 from ...pixels.stamps import named_time_ns
-from ..damage import told_of
-from ..observation import SECOND_NS, Observation
+from ..damage import Account, told_of
+from ..observation import NO_POINT, SECOND_NS, Observation
 from ..opened import Opened, Wanted
-from ..point_ids import PointIds
+from ..point_ids import NEAR_IDS, PointIds
 from ..point_store import PointStore
 from ..poses import checked, inverse, matrix
 from .binary import BinaryModel
@@ -36,52 +37,55 @@ def open_model(model: Path, wanted: Wanted) -> Opened:
     form = next((form for form in FORMS if all((model / f"{name}.{form}").is_file() for name in FILES)), None)
     if form is None:
         raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
-    notes = ["SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop"]
+    needed("pycolmap")
+    account = Account(model)
+    account.notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
     if wanted.metres_per_unit is None:
-        notes.append("a COLMAP model has no unit: the map is not metric; --metres-per-unit tells it")
+        account.notes.append("a COLMAP model has no unit: the map is not metric; --metres-per-unit tells it")
 
     def keyframes() -> Iterator[Observation]:
         with told_of(model, "the reader of COLMAP models"), closing(FORMS[form](model)) as files:
-            yield from _keyframes(model, files, wanted, notes)
+            yield from _keyframes(model, files, wanted, account)
 
-    return Opened("COLMAP model", wanted.metres_per_unit is not None, keyframes, notes)
+    return Opened("COLMAP model", wanted.metres_per_unit is not None, keyframes, account)
 
 
-def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
-    cameras = files.cameras()
+def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, account: Account) -> Iterator[Observation]:
+    cameras = files.cameras(account)
     images = sorted(files.images(), key=lambda image: image.name)
     ids = ids_of_names(image.name for image in images)
-    twice = next((one.name for one, other in zip(images, images[1:]) if one.name == other.name), None)
-    if twice is not None:
-        raise RevisitError(f"{model}: two images are called {twice}")
-    stamps = _stamps(images, notes)
-    _tell_of_cameras(cameras, notes)
-    pairs = Pairs(wanted.database) if wanted.database else None
+    stamps = _stamps(images, account.notes)
+    _tell_of_cameras(cameras, account.notes)
+    pairs = Pairs(wanted.database, account) if wanted.database else None
     # Earlier ones only are named; images are read in order of time.
     earlier: dict[str, str] = {}
     scale, session, placed = wanted.metres_per_unit or 1.0, wanted.name(model), PointIds(str(model))
-    with tempfile.TemporaryDirectory(prefix="revisit-import-") as folder, PointStore(Path(folder), str(model)) as points:
+    with tempfile.TemporaryDirectory(prefix="revisit-import-") as folder, PointStore(Path(folder), account, NEAR_IDS) as points:
         for id, x, y, z in files.points():
             points.add(id, x * scale, y * scale, z * scale)
+        if points.are_far:
+            account.notes.append("ids of points are no numbers that the server takes: points are numbered in the order of the file")
         for image in sorted(images, key=lambda image: (stamps[image.name], image.name)):
-            where = f"{model}: image {image.name}"
-            if image.camera not in cameras:
-                raise RevisitError(f"{where} is of camera {image.camera}, which the model does not have")
-            observed = files.observed(image)
-            # A point that an image observes twice counts once.
-            observes = [int(id) for id in np.unique(observed[observed >= 0])]
-            found = points.find(observes, where)
-            new = {id: found[id] for id in placed.new_of(observes)}
-            yield Observation(
-                ids[image.name], session, stamps[image.name], _pose(image, scale, where), cameras[image.camera].pinhole,
-                observes=observes, placed=new, covisible=pairs.earlier(image.name, earlier) if pairs else None,
-            )  # fmt: skip
-            earlier[image.name] = ids[image.name]
-        points.find([], "")
+            with account.part(f"image {image.name}") as where:
+                if image.name in earlier:
+                    raise RevisitError(f"{where} is in it twice")
+                if image.camera not in cameras:
+                    raise RevisitError(f"{where} is of camera {image.camera}, which the model does not have")
+                observed = files.observed(image)
+                # A point that an image observes twice counts once.
+                found = points.find(np.unique(observed[observed != NO_POINT]).tolist(), where)
+                seen = Observation(
+                    ids[image.name], session, stamps[image.name], _pose(image, scale, where), cameras[image.camera].pinhole,
+                    observes=list(found), covisible=pairs.earlier(image.name, earlier) if pairs else None,
+                )  # fmt: skip
+                seen.placed.update((id, found[id]) for id in placed.new_of(found))
+                earlier[image.name] = seen.id
+                yield seen
         if points.count > placed.count:
-            notes.append(f"{points.count - placed.count} of {points.count} points are observed by no image, and are left out")
+            left = points.count - placed.count
+            account.notes.append(f"{left} of {points.count} points are observed by no image, and are left out")
     if pairs:
-        notes.extend(pairs.close())
+        account.notes.extend(pairs.close())
 
 
 def _pose(image: Image, scale: float, where: str) -> np.ndarray:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from ...errors import RevisitError
+from ...files import MARKS
+from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from .cameras import pinhole
+from ..point_store import signed
 from .entries import Camera, Image, model_file
 
 
@@ -20,14 +24,15 @@ class TextModel:
     def __init__(self, model: Path) -> None:
         self._files = {name: Lines(model_file(model, name, "txt")) for name in ("cameras", "images", "points3D")}
 
-    def cameras(self) -> dict[int, Camera]:
-        """Return the cameras by their ids."""
+    def cameras(self, account: Account) -> dict[int, Camera]:
+        """Return the cameras by their ids; one that is wrong is left out."""
         file, found = self._files["cameras"], {}
         for line in file.entries():
             words = line.decode("utf-8", "replace").split()
             with file.told("CAMERA_ID MODEL WIDTH HEIGHT PARAMS.."):
-                id, width, height, params = int(words[0]), int(words[2]), int(words[3]), [float(word) for word in words[4:]]
-            found[id] = Camera(*pinhole(words[1], width, height, params, f"{file.path}: camera {id}"))
+                id, model, width, height = int(words[0]), words[1], int(words[2]), int(words[3])
+            with account.part(f"camera {id}") as where:
+                found[id] = Camera(*pinhole(model, width, height, [number(word) for word in words[4:]], where))
         return found
 
     def points(self) -> Iterator[tuple[int, float, float, float]]:
@@ -36,16 +41,16 @@ class TextModel:
         for line in file.entries():
             words = line.split(None, 4)
             with file.told("POINT3D_ID X Y Z R G B ERROR TRACK.."):
-                point = int(words[0]), float(words[1]), float(words[2]), float(words[3])
+                point = int(words[0]), number(words[1]), number(words[2]), number(words[3])
             yield point
 
     def images(self) -> Iterator[Image]:
         """Yield the images in the order of the file."""
         file, count = self._files["images"], 0
         for line in file.entries():
-            words = line.decode("utf-8", "replace").split(None, 9)
+            words = line.decode("utf-8", "surrogateescape").split(None, 9)
             with file.told("IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"):
-                w, x, y, z, tx, ty, tz = (float(word) for word in words[1:8])
+                w, x, y, z, tx, ty, tz = (number(word) for word in words[1:8])
                 camera, name, _ = int(words[8]), words[9].strip(), int(words[0])
             count += 1
             if count > MAX_KEYFRAMES:
@@ -55,17 +60,13 @@ class TextModel:
             yield Image(name, camera, (w, x, y, z), (tx, ty, tz), offset, 0)
 
     def observed(self, image: Image) -> np.ndarray:
-        """Return the ids of the points that an image observes, feature by feature; -1 where a feature has none."""
+        """Return the ids of the points that an image observes, feature by feature, with a sign; -1 where a feature has none."""
         file = self._files["images"]
         file.seek(image.offset)
         words = file.line().split()
-        try:
-            ids = [int(word) for word in words[2::3]]
-        except ValueError:
-            ids = [-2]
-        if len(words) % 3 or min(ids, default=-1) < -1:
+        if len(words) % 3 or not all(word.lstrip(b"-").isdigit() for word in words[2::3]):
             raise RevisitError(f"{file.path}: the features of image {image.name} are no X Y POINT3D_ID ..")
-        return np.array(ids, np.int64)
+        return np.array([signed(int(word)) for word in words[2::3]], np.int64)
 
     def close(self) -> None:
         """Close the files."""
@@ -83,8 +84,13 @@ class Lines:
 
     def entries(self) -> Iterator[bytes]:
         """Yield the lines from the first one that are neither empty nor a comment."""
-        self._file.seek(0)
         self._number = 0
+        self._file.seek(0)
+        first = self._file.read(4)
+        mark, encoding = next((found for found in MARKS if first.startswith(found[0])), (b"", "utf-8"))
+        if encoding != "utf-8":
+            raise RevisitError(f"{self.path}: a text in {encoding.upper()}: save it as UTF-8")
+        self._file.seek(len(mark))
         while line := self.line():
             if line.strip() and not line.lstrip().startswith(b"#"):
                 yield line
@@ -97,9 +103,13 @@ class Lines:
             raise RevisitError(f"{self.path}: line {self._number} is longer than {MAX_PIECE_BYTES >> 20} MiB")
         return line
 
-    def told(self, form: str) -> LineError:
+    @contextmanager
+    def told(self, form: str) -> Iterator[None]:
         """Say that the line at hand is none of a form, whatever goes wrong with it."""
-        return LineError(f"{self.path}: line {self._number} is no {form}")
+        try:
+            yield
+        except (ValueError, IndexError) as error:
+            raise RevisitError(f"{self.path}: line {self._number} is no {form}") from error
 
     def tell(self) -> int:
         """Return where the next line begins."""
@@ -114,15 +124,9 @@ class Lines:
         self._file.close()
 
 
-class LineError:
-    """Turns what a wrong line leads to into one sentence."""
-
-    def __init__(self, sentence: str) -> None:
-        self._sentence = sentence
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, (ValueError, IndexError)):
-            raise RevisitError(self._sentence) from error
+def number(word: str | bytes) -> float:
+    """Return a number; what is none, as what Windows writes for a division by zero, is not a number."""
+    try:
+        return float(word)
+    except ValueError:
+        return float("nan")

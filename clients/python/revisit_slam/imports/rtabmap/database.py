@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ..damage import Account
 from ..limits import MAX_DETECTIONS, MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..opened import Opened, Wanted
-from ..poses import rigid
 from ..sqlite_file import need_columns, reading, tables
 from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
 from .landmarks import LANDMARK, detections_of
@@ -43,20 +43,20 @@ NODES_AT_HAND = 64
 def open_database(path: Path, wanted: Wanted) -> Opened:
     """Open a database."""
     need_columns(path, tables(path), TABLES, "database of RTAB-Map 0.13 and later (open an older one with it once)")
-    notes: list[str] = []
+    account = Account(path)
 
     def keyframes() -> Iterator[Observation]:
         with reading(path) as connection:
-            yield from Database(path, connection, wanted, notes).keyframes()
+            yield from Database(path, connection, wanted, account).keyframes()
 
-    return Opened("RTAB-Map database", True, keyframes, notes)
+    return Opened("RTAB-Map database", True, keyframes, account)
 
 
 class Database:
     """A database that is open."""
 
-    def __init__(self, path: Path, connection: sqlite3.Connection, wanted: Wanted, notes: list[str]) -> None:
-        self._path, self._connection, self._notes = path, connection, notes
+    def __init__(self, path: Path, connection: sqlite3.Connection, wanted: Wanted, account: Account) -> None:
+        self._path, self._connection, self._account = path, connection, account
         self._name = wanted.name(path)
         self._floats_only = self._version() < SERIALIZED_CALIBRATION
         # Names of the keyframes so far, by node.
@@ -67,24 +67,20 @@ class Database:
         """Yield the nodes in the order of their numbers, which is that of time."""
         optimised = self._optimised()
         if not optimised:
-            self._notes.append("no optimised poses in it: they are those of odometry")
-        left_out: Counter[str] = Counter()
+            self._account.notes.append("no optimised poses in it: they are those of odometry")
         for id, map_id, weight, stamp, pose in self._connection.execute("select id, map_id, weight, stamp, pose from Node order by id"):
-            where = f"{self._path}: node {id}"
-            if not isinstance(id, int) or not 0 < id <= MAX_NODE_ID or not isinstance(map_id, int):
-                raise RevisitError(f"{where} of map {map_id} has no number that a node has")
-            if weight is not None and weight < 0:
-                left_out["between keyframes, without features"] += 1
-                continue
-            # Poses of odometry are of another frame: of the two only one is taken.
-            map_from_base = optimised.get(id) if optimised else pose_of(pose, where)
-            if map_from_base is None:
-                left_out["without an optimised pose" if optimised else "without a pose"] += 1
-                continue
             if len(self._names) >= MAX_KEYFRAMES:
                 raise RevisitError(f"{self._path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
-            yield self._keyframe(id, map_id, stamp, map_from_base, where)
-        self._notes.extend(f"nodes left out, {why}: {count}" for why, count in left_out.items())
+            with self._account.part(f"node {id}") as where:
+                if not isinstance(id, int) or not 0 < id <= MAX_NODE_ID or not isinstance(map_id, int):
+                    raise RevisitError(f"{where} of map {map_id} has no number that a node has")
+                if weight is not None and weight < 0:
+                    raise RevisitError(f"{where}: between keyframes, without features")
+                # Poses of odometry are of another frame: of the two only one is taken.
+                map_from_base = pose_of(optimised.get(id) if optimised else pose, where)
+                if map_from_base is None:
+                    raise RevisitError(f"{where}: without an optimised pose" if optimised else f"{where}: without a pose")
+                yield self._keyframe(id, map_id, stamp, map_from_base, where)
 
     def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:
         words = self._words(id, where)
@@ -112,8 +108,8 @@ class Database:
             raise RevisitError(f"{self._path}: RTAB-Map's version in it is {told[:40]!r}, which is none")
         return tuple(int(part) for part in told.split("."))
 
-    def _optimised(self) -> dict[int, np.ndarray]:
-        """Return `map_from_base` of the nodes of the optimised graph."""
+    def _optimised(self) -> dict[int, bytes]:
+        """Return `map_from_base` of the nodes of the optimised graph, as the nodes have their own."""
         if not {"opt_ids", "opt_poses"} <= {row[1] for row in self._connection.execute("pragma table_info(Admin)")}:
             return {}
         ids, poses = self._connection.execute("select opt_ids, opt_poses from Admin").fetchone()
@@ -125,8 +121,7 @@ class Database:
         numbers, rows = matrix_of(ids, where).ravel(), matrix_of(poses, where).ravel()
         if numbers.dtype != np.int32 or rows.dtype != np.float32 or len(rows) != POSE_FLOATS * len(numbers):
             raise RevisitError(f"{where} are {len(rows)} numbers for {len(numbers)} nodes, not 12 floats each")
-        placed = zip(numbers, rows.reshape(-1, POSE_FLOATS))
-        return {int(id): rigid(row, f"{where}: node {id}") for id, row in placed if row.any()}
+        return {int(id): row.tobytes() for id, row in zip(numbers, rows.reshape(-1, POSE_FLOATS)) if row.any()}
 
     def _mounted(self, id: int, where: str) -> Mounted:
         row = self._connection.execute("select calibration from Data where id = ?", (id,)).fetchone()

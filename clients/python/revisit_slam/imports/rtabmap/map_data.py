@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import RevisitError
+from ...files import how_to_mend
 from ...needed import needed
-from ..damage import told_of
+from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
 from ..opened import Opened, Wanted
@@ -26,7 +27,9 @@ NODES_AT_HAND = 1024
 
 def open_map_data(path: Path, wanted: Wanted) -> Opened:
     """Open a recording."""
-    notes: list[str] = []
+    account = Account(path)
+    if path.is_dir() and not (path / "metadata.yaml").is_file():
+        raise RevisitError(f"{path}: no metadata.yaml in it: {how_to_mend(path)}")
     with told_of(path, "the reader of MCAP"):
         for part in sorted(path.glob("*.mcap")) if path.is_dir() else [path]:
             check_chunks(part)
@@ -35,9 +38,9 @@ def open_map_data(path: Path, wanted: Wanted) -> Opened:
 
     def keyframes() -> Iterator[Observation]:
         with _reading(path) as reader:
-            yield from _keyframes(path, reader, topic, wanted, notes)
+            yield from _keyframes(path, reader, topic, wanted, account)
 
-    return Opened("RTAB-Map's MapData", True, keyframes, notes)
+    return Opened("RTAB-Map's MapData", True, keyframes, account)
 
 
 @contextmanager
@@ -68,59 +71,67 @@ def _messages(reader: Any, topic: str) -> Iterator[bytes]:
         yield data
 
 
-def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
+def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, account: Account) -> Iterator[Observation]:
     name = wanted.name(path)
-    final = _last_graph(path, reader, topic)
+    final = _last_graph(path, reader, topic, account)
     neighbours = _neighbours(final)
-    names: dict[int, str] = {}
+    # None for a node that was left out.
+    names: dict[int, str | None] = {}
     words: OrderedDict[int, Counter[int]] = OrderedDict()
-    left_out, left_graph = 0, 0
+    left_graph = 0
     for number, data in enumerate(_messages(reader, topic), 1):
-        message = reader.deserialize(data, MAP_DATA)
-        where = f"{path}: message {number} of {topic}"
-        graph: Graph | None = None
-        for node in message.nodes:
-            id = int(node.id)
-            if id in names:
-                continue
-            if len(names) >= MAX_KEYFRAMES:
-                raise RevisitError(f"{path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
-            if id in final.poses:
-                here, near = final, neighbours.get(id, [])
-            else:
-                # A node that left the graph stands where the graph had it when it came.
-                graph = graph or graph_of(message.graph, where)
-                here, near = graph, _neighbours(graph).get(id, [])
-            seen = observation_of(node, here, name, where)
-            if seen is None:
-                left_out += 1
-                continue
-            left_graph += here is not final
-            for other, kind in near:
-                if other not in names:
+        with account.part(f"message {number} of {topic}") as whole:
+            message = _message(reader, data, whole)
+            graph: Graph | None = None
+            for node in message.nodes:
+                id = int(node.id)
+                if id in names:
                     continue
-                if kind in LOOPS:
-                    seen.loops.append(names[other])
-                elif kind in COVISIBLE:
-                    seen.covisible[names[other]] = shared_words(seen.words, words.get(other))
-            names[id] = seen.id
-            words[id] = seen.words or Counter()
-            if len(words) > NODES_AT_HAND:
-                words.popitem(last=False)
-            yield seen
+                if len(names) >= MAX_KEYFRAMES:
+                    raise RevisitError(f"{path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
+                names[id] = None
+                with account.part(f"node {id}") as where:
+                    if id in final.poses:
+                        here, near = final, neighbours.get(id, [])
+                    else:
+                        # A node that left the graph stands where the graph had it when it came.
+                        graph = graph or graph_of(message.graph, account, whole)
+                        here, near = graph, _neighbours(graph).get(id, [])
+                    seen = observation_of(node, here, name, where)
+                    if seen is None:
+                        raise RevisitError(f"{where}: without a pose, or between keyframes")
+                    left_graph += here is not final
+                    for other, kind in near:
+                        earlier = names.get(other) if other != id else None
+                        if earlier is not None and kind in LOOPS:
+                            seen.loops.append(earlier)
+                        elif earlier is not None and kind in COVISIBLE:
+                            seen.covisible[earlier] = shared_words(seen.words, words.get(other))
+                    names[id] = seen.id
+                    words[id] = seen.words or Counter()
+                    if len(words) > NODES_AT_HAND:
+                        words.popitem(last=False)
+                    yield seen
     if left_graph:
-        notes.append(f"{_nodes(left_graph)} not in the last graph: they stand where they stood when they came")
-    if left_out:
-        notes.append(f"{_nodes(left_out)} left out, without a pose or between keyframes")
+        are = "node is" if left_graph == 1 else "nodes are"
+        account.notes.append(f"{left_graph} {are} not in the last graph: they stand where they stood when they came")
 
 
-def _last_graph(path: Path, reader: Any, topic: str) -> Graph:
+def _message(reader: Any, data: bytes, where: str) -> Any:
+    try:
+        return reader.deserialize(data, MAP_DATA)
+    except Exception as error:  # noqa: BLE001 - it raises types of its own
+        raise RevisitError(f"{where}: rosbags cannot read it: {error}") from error
+
+
+def _last_graph(path: Path, reader: Any, topic: str, account: Account) -> Graph:
     last = None
     for data in _messages(reader, topic):
         last = data
     if last is None:
         raise RevisitError(f"{path}: no message on {topic}")
-    return graph_of(reader.deserialize(last, MAP_DATA).graph, f"{path}: the last message of {topic}")
+    where = f"{path}: the last message of {topic}"
+    return graph_of(_message(reader, last, where).graph, account, where)
 
 
 def _neighbours(graph: Graph) -> dict[int, list[tuple[int, int]]]:
@@ -130,7 +141,3 @@ def _neighbours(graph: Graph) -> dict[int, list[tuple[int, int]]]:
         found.setdefault(one, set()).add((other, kind))
         found.setdefault(other, set()).add((one, kind))
     return {id: sorted(near) for id, near in found.items()}
-
-
-def _nodes(count: int) -> str:
-    return f"{count} node is" if count == 1 else f"{count} nodes are"

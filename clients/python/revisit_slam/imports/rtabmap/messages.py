@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ..damage import Account
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation, Pinhole
 from ..poses import matrix
@@ -29,20 +30,24 @@ class Graph:
     """Landmarks that a node saw: their numbers, and `base_from_landmark`."""
 
 
-def graph_of(message: Any, where: str) -> Graph:
-    """Return the graph of a `MapGraph`."""
+def graph_of(message: Any, account: Account, where: str) -> Graph:
+    """Return the graph of a `MapGraph`; a pose or a link that is wrong is left out."""
     ids = [int(id) for id in message.poses_id]
     if len(ids) != len(message.poses) or len(ids) > MAX_KEYFRAMES:
         raise RevisitError(f"{where}: its graph has {len(message.poses)} poses for {len(ids)} nodes")
     # RTAB-Map writes landmarks as nodes with negative numbers.
-    poses = {id: pose_of(pose, f"{where}: node {id}") for id, pose in zip(ids, message.poses) if id > 0}
+    poses: dict[int, np.ndarray] = {}
+    for id, pose in zip(ids, message.poses):
+        if id > 0:
+            with account.part(f"the graph's pose of node {id}") as part:
+                poses[id] = pose_of(pose, part)
     links: list[tuple[int, int, int]] = []
     landmarks: dict[int, list[tuple[int, np.ndarray]]] = {}
     for link in message.links:
         one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
         if kind == LANDMARK and one > 0 > other:
-            place = transform_of(link.transform, f"{where}: the link from {one} to {other}")
-            landmarks.setdefault(one, []).append((other, place))
+            with account.part(f"the link from {one} to {other}") as part:
+                landmarks.setdefault(one, []).append((other, transform_of(link.transform, part)))
         elif one > 0 and other > 0:
             links.append((one, other, kind))
     return Graph(poses, links, transform_of(message.map_to_odom, f"{where}: map_to_odom"), landmarks)
@@ -64,13 +69,12 @@ def is_null(message: Any) -> bool:
 
 
 def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observation | None:
-    """Return a node's observation; None where it is none: without a pose, or between keyframes."""
+    """Return a node's observation; `where` names it. None where it is none: without a pose, or between keyframes."""
     id = int(node.id)
     if not 0 < id <= MAX_NODE_ID:
-        raise RevisitError(f"{where}: {id} is no node's number")
+        raise RevisitError(f"{where}: that is no node's number")
     if node.weight < 0:
         return None
-    where = f"{where}: node {id}"
     map_from_base = graph.poses.get(id)
     if map_from_base is None:
         if is_null(node.pose):

@@ -34,3 +34,11 @@ def camera_of(told: Mapping[str, Any], where: str) -> Camera:
         raise RevisitError(f"{where}: its focal lengths, centre and size are no numbers")
     fx, fy, cx, cy = (float(number) for number in numbers[:4])
     return Camera(Pinhole(fx, fy, cx, cy, int(numbers[4]), int(numbers[5])).checked(where), setup != "Monocular")
+
+
+def told_of_cameras(cameras: Mapping[str, Camera], is_metric: bool) -> list[str]:
+    """Return what a person should know of a map's cameras."""
+    notes = [] if is_metric else ["one camera measures no length: the map is not metric; --metres-per-unit tells it"]
+    if any(camera.pinhole is None for camera in cameras.values()):
+        notes.append("pictures that show all around have no camera and no features: points only")
+    return notes

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ..damage import Account
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import NO_POINT, Observation
 from ..opened import Opened, Wanted
 from ..point_ids import PointIds
 from ..poses import checked, rigid
 from ..sqlite_file import need_columns, reading, tables
-from .camera import Camera, camera_of
+from .camera import Camera, camera_of, told_of_cameras
 from .keyframe import DESCRIPTOR_BYTES, MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
 
 TABLES = {
@@ -36,33 +37,33 @@ IDS_AT_ONCE = 500
 def open_database(path: Path, wanted: Wanted) -> Opened:
     """Open a map."""
     need_columns(path, tables(path), TABLES, "SQLite map of stella_vslam")
+    account = Account(path)
     with reading(path) as connection:
-        cameras = _cameras(path, connection)
+        cameras = _cameras(connection, account)
     # A camera alone measures no length; two cameras or depths do.
     metric = wanted.metres_per_unit is not None or all(camera.metric for camera in cameras.values())
-    notes = [] if metric else ["one camera measures no length: the map is not metric; --metres-per-unit tells it"]
-    if any(camera.pinhole is None for camera in cameras.values()):
-        notes.append("pictures that show all around have no camera and no features: points only")
+    account.notes.extend(told_of_cameras(cameras, metric))
 
     def keyframes() -> Iterator[Observation]:
         with reading(path) as connection:
-            yield from _keyframes(path, connection, cameras, wanted)
+            yield from _keyframes(path, connection, cameras, wanted, account)
 
-    return Opened("stella_vslam map", metric, keyframes, notes)
+    return Opened("stella_vslam map", metric, keyframes, account)
 
 
-def _cameras(path: Path, connection: sqlite3.Connection) -> dict[str, Camera]:
+def _cameras(connection: sqlite3.Connection, account: Account) -> dict[str, Camera]:
     found = {}
     for row in connection.execute(f"select {', '.join(TABLES['cameras'])} from cameras"):
         told = dict(zip(TABLES["cameras"], row))
         name = _text(told["name"])
-        found[name] = camera_of(
-            {**told, "model_type": _text(told["model_type"]), "setup_type": _text(told["setup_type"])}, f"{path}: camera {name}"
-        )
+        with account.part(f"camera {name}") as where:
+            found[name] = camera_of({**told, "model_type": _text(told["model_type"]), "setup_type": _text(told["setup_type"])}, where)
     return found
 
 
-def _keyframes(path: Path, connection: sqlite3.Connection, cameras: dict[str, Camera], wanted: Wanted) -> Iterator[Observation]:
+def _keyframes(
+    path: Path, connection: sqlite3.Connection, cameras: dict[str, Camera], wanted: Wanted, account: Account
+) -> Iterator[Observation]:
     count = connection.execute("select count(*) from keyframes").fetchone()[0]
     if count > MAX_KEYFRAMES:
         raise RevisitError(f"{path}: it has {count} keyframes; at most {MAX_KEYFRAMES} are taken")
@@ -70,11 +71,11 @@ def _keyframes(path: Path, connection: sqlite3.Connection, cameras: dict[str, Ca
     names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
     rows = connection.execute(f"select {COLUMNS} from keyframes k left join associations a on a.id = k.id order by k.id")
     for row in rows:
-        where = f"{path}: keyframe {row[0]}"
-        seen = names.observation(_keyframe(row, where), where)
-        new = placed.new_of(landmarks_of(seen))
-        seen.placed.update(_positions(connection, new, scale, path))
-        yield seen
+        with account.part(f"keyframe {row[0]}") as where:
+            seen = names.observation(_keyframe(row, where), where)
+            new = placed.new_of(landmarks_of(seen))
+            seen.placed.update(_positions(connection, new, scale, account))
+            yield seen
 
 
 def _keyframe(row: tuple[Any, ...], where: str) -> Keyframe:
@@ -110,16 +111,16 @@ def _column(value: Any, size: int, what: str, where: str) -> bytes:
     return value
 
 
-def _positions(connection: sqlite3.Connection, ids: list[int], scale: float, path: Path) -> dict[int, np.ndarray]:
-    """Return where landmarks are; one that is not in the file counts for covisibility only, as stella_vslam skips it."""
+def _positions(connection: sqlite3.Connection, ids: list[int], scale: float, account: Account) -> dict[int, np.ndarray]:
+    """Return where landmarks are; one that is not in the file, or at no place, counts for covisibility only, as stella_vslam skips it."""
     found = {}
     for start in range(0, len(ids), IDS_AT_ONCE):
         some = ids[start : start + IDS_AT_ONCE]
         for id, position in connection.execute(f"select id, pos_w from landmarks where id in ({','.join('?' * len(some))})", some):
-            where = f"{path}: landmark {id}"
-            if not isinstance(position, bytes) or len(position) != 3 * 8:
-                raise RevisitError(f"{where}: its position is not of three numbers")
-            found[id] = checked(np.frombuffer(position, "<f8") * scale, where)
+            with account.part(f"landmark {id}") as where:
+                if not isinstance(position, bytes) or len(position) != 3 * 8:
+                    raise RevisitError(f"{where}: its position is not of three numbers")
+                found[id] = checked(np.frombuffer(position, "<f8") * scale, where)
     return found
 
 

@@ -64,11 +64,12 @@ class Names:
                 keyframe.pixels, keyframe.octaves, keyframe.angles_deg, keyframe.descriptors, keyframe.landmarks.astype(np.int64)
             ).usable()  # fmt: skip
         loops = [self._name(id) for id in sorted(set(keyframe.loop_edges)) if id in self._ids]
-        self._ids.add(keyframe.id)
-        return Observation(
+        seen = Observation(
             self._name(keyframe.id), self._session, stamp_ns, world_from_camera, pinhole,
             features=features, observes=observes, loops=loops,
         )  # fmt: skip
+        self._ids.add(keyframe.id)
+        return seen
 
     def _name(self, id: int) -> str:
         return f"{self._session}-{id}"

@@ -15,14 +15,14 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...needed import needed
-from ..damage import told_of
+from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
 from ..opened import Opened, Wanted
 from ..point_ids import PointIds
 from ..point_store import PointStore
 from ..poses import matrix
-from .camera import Camera, camera_of
+from .camera import Camera, camera_of, told_of_cameras
 from .keyframe import MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
 
 READER = "the reader of MessagePack"
@@ -33,55 +33,57 @@ KEYS = ("ts", "cam", "rot_cw", "trans_cw", "undist_keypts", "descs", "lm_ids", "
 
 def open_packed(path: Path, wanted: Wanted) -> Opened:
     """Open a map."""
+    account = Account(path)
     cameras: dict[str, Camera] = {}
     offsets: dict[int, int] = {}
 
     def camera(name: str, unpacker: Any, _: int) -> None:
         told = unpacker.unpack()
-        if not isinstance(told, Mapping) or not {"model_type", "setup_type"} <= set(told):
-            raise RevisitError(f"{path}: camera {name} has no model and setup")
-        missing = {name: None for name in ("fx", "fy", "cx", "cy", "cols", "rows")}
-        cameras[name] = camera_of({**missing, **told}, f"{path}: camera {name}")
+        with account.part(f"camera {name[:40]}") as where:
+            if not isinstance(told, Mapping) or not {"model_type", "setup_type"} <= set(told):
+                raise RevisitError(f"{where} has no model and setup")
+            missing = {name: None for name in ("fx", "fy", "cx", "cy", "cols", "rows")}
+            cameras[name] = camera_of({**missing, **told}, where)
 
     def keyframe(name: str, unpacker: Any, offset: int) -> None:
-        offsets[_number(name, f"{path}: keyframe {name[:40]}")] = offset
+        with account.part(f"keyframe {name[:40]}") as where:
+            offsets[_number(name, where)] = offset
         if len(offsets) > MAX_KEYFRAMES:
             raise RevisitError(f"{path}: it has more than {MAX_KEYFRAMES} keyframes; so many are not taken")
         unpacker.skip()
 
     _walk(path, {"cameras": camera, "keyframes": keyframe})
     metric = wanted.metres_per_unit is not None or all(camera.metric for camera in cameras.values())
-    notes = [] if metric else ["one camera measures no length: the map is not metric; --metres-per-unit tells it"]
-    if any(camera.pinhole is None for camera in cameras.values()):
-        notes.append("pictures that show all around have no camera and no features: points only")
+    account.notes.extend(told_of_cameras(cameras, metric))
 
     def keyframes() -> Iterator[Observation]:
         with told_of(path, READER), path.open("rb") as file, tempfile.TemporaryDirectory(prefix="revisit-import-") as folder:
-            with PointStore(Path(folder), str(path)) as points:
-                yield from _keyframes(path, file, offsets, points, cameras, wanted)
+            with PointStore(Path(folder), account) as points:
+                yield from _keyframes(account, file, offsets, points, cameras, wanted)
 
-    return Opened("stella_vslam map", metric, keyframes, notes)
+    return Opened("stella_vslam map", metric, keyframes, account)
 
 
 def _keyframes(
-    path: Path, file: BinaryIO, offsets: dict[int, int], points: PointStore, cameras: dict[str, Camera], wanted: Wanted
+    account: Account, file: BinaryIO, offsets: dict[int, int], points: PointStore, cameras: dict[str, Camera], wanted: Wanted
 ) -> Iterator[Observation]:
-    scale = wanted.metres_per_unit or 1.0
+    path, scale = Path(account.path), wanted.metres_per_unit or 1.0
 
     def landmark(name: str, unpacker: Any, _: int) -> None:
-        told, where = unpacker.unpack(), f"{path}: landmark {name[:40]}"
-        position = told.get("pos_w") if isinstance(told, Mapping) else None
-        points.add(_number(name, where), *(scale * value for value in _numbers(position, 3, "position", where)))
+        told = unpacker.unpack()
+        with account.part(f"landmark {name[:40]}") as where:
+            position = told.get("pos_w") if isinstance(told, Mapping) else None
+            points.add(_number(name, where), *(scale * value for value in _numbers(position, 3, "position", where)))
 
     _walk(path, {"landmarks": landmark})
     names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
     for id in sorted(offsets):
-        where = f"{path}: keyframe {id}"
-        file.seek(offsets[id])
-        seen = names.observation(_keyframe(id, _unpacker(file).unpack(), where), where)
-        new = placed.new_of(landmarks_of(seen))
-        seen.placed.update(points.find(new, where, may_lack=True))
-        yield seen
+        with account.part(f"keyframe {id}") as where:
+            file.seek(offsets[id])
+            seen = names.observation(_keyframe(id, _unpacker(file).unpack(), where), where)
+            new = placed.new_of(landmarks_of(seen))
+            seen.placed.update(points.find(new, where, may_lack=True))
+            yield seen
 
 
 def _keyframe(id: int, told: Any, where: str) -> Keyframe:
