@@ -83,16 +83,13 @@ def text_of(path: Path, form: str = "a text") -> str:
         data = path.read_bytes()
     except OSError as error:
         raise RevisitError(f"{path}: cannot be read: {error.strerror}; it should be {form}") from error
-    if data[:FIRST_BYTES].lower().startswith(NO_TEXTS):
-        raise RevisitError(f"{path}: not {form}, but {what_is(data[:FIRST_BYTES])}")
     encoding = next((encoding for mark, encoding in MARKS if data.startswith(mark)), "utf-8")
     try:
         text = data.decode("utf-8-sig" if encoding == "utf-8" else encoding)
-    except UnicodeDecodeError as error:
-        told = what_is(data[:FIRST_BYTES]) or "no UTF-8: save it as UTF-8"
-        raise RevisitError(f"{path}: not {form}, but {told}") from error
-    if "\0" in text:
-        told = what_is(data[:FIRST_BYTES]) or "UTF-16 without its mark, or no text: save it as UTF-8"
+    except UnicodeDecodeError:
+        text = "\0"
+    if "\0" in text or data[:FIRST_BYTES].lower().startswith(NO_TEXTS):
+        told = what_is(data[:FIRST_BYTES]) or "neither UTF-8 nor UTF-16 with its mark: save it as UTF-8"
         raise RevisitError(f"{path}: not {form}, but {told}")
     return text
 
@@ -103,34 +100,24 @@ def not_a(form: str, path: Path) -> RevisitError:
     return RevisitError(f"{path}: not {form}" + (f", but {told}" if told else ""))
 
 
-def rows_of(path: Path, form: str = "a table (CSV)") -> list[list[str]]:
-    """Return the rows of a table without blanks around its cells; comments and empty rows are left out."""
-    return [row for _, row in numbered_rows_of(path, form)]
-
-
 def numbered_rows_of(path: Path, form: str = "a table (CSV)") -> list[tuple[int, list[str]]]:
-    """Return the rows of a table, each with its line."""
-    kept = [(number, line) for number, line in enumerate(text_of(path, form).splitlines(), 1) if line.strip(" \t,;")]
-    kept = [(number, line) for number, line in kept if not line.lstrip().startswith("#")]
-    if kept and kept[0][1].lower().startswith("sep="):  # Excel's own first line.
-        kept = kept[1:]
-    separator = max(SEPARATORS, key=kept[0][1].count) if kept else ","
-    reader = csv.reader((line for _, line in kept), delimiter=separator)
+    """Return the rows of a table without blanks around its cells, each with its line; comments and empty rows are left out."""
+    lines = [one for one in enumerate(text_of(path, form).splitlines(), 1) if one[1].strip(" \t,;")]
+    # Excel's own first line is a comment as well.
+    lines = [(number, line) for number, line in lines if not line.lstrip().lower().startswith(("#", "sep="))]
+    separator = max(SEPARATORS, key=lines[0][1].count) if lines else ","
+    reader = csv.reader((line for _, line in lines), delimiter=separator)
     try:
-        return [(kept[reader.line_num - 1][0], [cell.strip() for cell in row]) for row in reader]
+        return [(lines[reader.line_num - 1][0], [cell.strip() for cell in row]) for row in reader]
     except csv.Error as error:
         raise RevisitError(f"{path}: not {form}: {error} (a quotation mark that is not closed?)") from error
 
 
 def records_of(path: Path, columns: Iterable[str]) -> list[tuple[int, dict[str, str]]]:
-    """Return each row of a table with its line: its cells by the names in the first row, in small letters.
-
-    Raises:
-        RevisitError: One of `columns` is not there.
-    """
+    """Return each row of a table with its line, its cells by the first row's names in small letters; `columns` are there."""
     (_, head), *rows = numbered_rows_of(path) or [(0, [])]
     names = [name.lower() for name in head]
     if not set(columns) <= set(names):
-        needed = " and ".join(f"`{column}`" for column in columns)
-        raise RevisitError(f"{path}: no columns {needed} in its first line, which is: {', '.join(head)[:200]}")
+        needed = "` and `".join(columns)
+        raise RevisitError(f"{path}: no columns `{needed}` in its first line, which is: {', '.join(head)[:200]}")
     return [(line, {**dict.fromkeys(names, ""), **dict(zip(names, row))}) for line, row in rows]

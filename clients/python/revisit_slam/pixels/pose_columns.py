@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 # TUM's order, of files that name no columns.
 TUM = ("t", "x", "y", "z", "qx", "qy", "qz", "qw")
-METRES = {"": 1.0, "m": 1.0, "cm": 1e-2, "mm": 1e-3}
-NANOSECONDS = {"s": 10**9, "sec": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
-UNIT = re.compile(rf"(.+?)(?:_({'|'.join(filter(None, METRES | NANOSECONDS))}))?")
-# A position, not a velocity or a bias: `x`, `tx`, `p_RS_R_x`, `pose.position.x`. Then its quaternion, and its time.
-PLACES = re.compile(r"(?:[tp]?_?|(?:.*_)?(?:p|t|pos|position|pose|trans|translation)_(?:.*_)?)([xyz])")
-TURNS = re.compile(r"(?:(?:.*_)?q_?|(?:.*_)?(?:q|quat|quaternion|orientation|rotation|rot)_(?:.*_)?)([xyzw])")
-TIMES = re.compile(r"t|ts|(?:.*_)?(?:time|stamp|time_?stamps?|seconds|nanoseconds)")
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+NANOSECONDS = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
+TIMES = {"t", "ts", "time", "stamp", "timestamp", "timestamps", "seconds"}
+# Words that tell a position and a rotation from a velocity or a bias: `tx`, `p_RS_R_x`, `pose.position.x`.
+PLACES = {"t", "p", "pos", "position", "pose", "trans", "translation"}
+TURNS = {"q", "quat", "quaternion", "orientation", "rotation", "rot"}
 
 Columns = dict[str, tuple[int, str]]
 
@@ -22,13 +21,14 @@ def columns_of(names: Sequence[str]) -> Columns:
     """Return the place and the unit of those of TUM's columns that are named, in any order; of two the first counts."""
     found: Columns = {}
     for place, name in enumerate(names):
-        plain = re.sub(r"[^a-z0-9]+", "_", re.sub("[µμ]", "u", name.lower())).strip("_")
-        base, unit = match.groups("") if (match := UNIT.fullmatch(plain)) else ("", "")
-        if turned := TURNS.fullmatch(base):
-            found.setdefault(f"q{turned[1]}", (place, ""))
-        elif placed := PLACES.fullmatch(base):
-            found.setdefault(placed[1], (place, unit))
-        # A time in two columns, of seconds and of nanoseconds, is not one of these.
-        elif TIMES.fullmatch(base) and not any(re.search("n(ano)?secs?$", other.lower()) for other in names):
+        *words, last = re.findall("[a-z0-9]+", re.sub("[µμ]", "u", name.lower())) or [""]
+        unit = last if words and last in METRES | NANOSECONDS else ""
+        *words, last = words if unit else (*words, last)
+        axis, before = last[-1:], {*words, last[:-1]}
+        if last in TIMES:
             found.setdefault("t", (place, unit))
+        elif f"q{axis}" in TUM and len(last) < 3 and before & TURNS:
+            found.setdefault(f"q{axis}", (place, ""))
+        elif axis in TUM[1:4] and len(last) < 3 and (before & PLACES or before == {""}):
+            found.setdefault(axis, (place, unit))
     return found

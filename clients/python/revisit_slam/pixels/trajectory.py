@@ -24,11 +24,13 @@ MAX_GAP_NS = 250_000_000
 MAX_OUTSIDE_NS = 20_000_000
 FORM = "seconds x y z qx qy qz qw"
 UNNAMED: Columns = {name: (place, "") for place, name in enumerate(TUM)}
-MATRICES = (
+NUMBER = re.compile(r"[-+]?(\.?\d.*|nan|inf)", re.IGNORECASE)
+MATRIX = (
     "a matrix without a time. RTAB-Map writes times with `rtabmap-export --poses_camera --poses_format 10`; to KITTI's poses "
     "evo's contrib/kitti_poses_and_timestamps_to_trajectory.py adds times.txt"
 )
 POSITION_MAX_M = 1e9
+# A robot's poses are not hours apart.
 STEP_MAX_NS = 3600 * 10**9
 
 
@@ -84,9 +86,7 @@ class Trajectory:
 
 
 def read_tum(path: Path) -> Trajectory:
-    """Read a trajectory in TUM's format, or with columns as the file names them; bad lines are left out.
-
-    Times are in the unit that is named, or that their digits tell.
+    """Read a trajectory: the columns, and the unit of times, that the file names, else TUM's; bad lines are left out.
 
     Raises:
         RevisitError: It is of another form, or more than half of its lines are bad.
@@ -110,22 +110,19 @@ def _lines(path: Path) -> tuple[Columns, int, list[tuple[int, list[str]]]]:
     columns, width, rows = UNNAMED, len(TUM), []
     for number, line in enumerate(text_of(path, f"lines of `{FORM}`").splitlines(), 1):
         cells, is_comment = _cells(line.lstrip(" \t#%")), line.lstrip().startswith(("#", "%"))
-        if not any(cells) or is_comment and rows:
-            continue
-        if not is_comment and (rows or any(map(_is_number, cells))):
-            rows.append((number, cells))
-            continue
-        named = columns_of(cells)
-        if len(named) == len(TUM):
-            columns, width = named, len(cells)
-        # A comment may say anything, but one that names half of a pose names columns.
-        elif not is_comment or len(named) >= len(TUM) // 2:
-            missing = ", ".join(name for name in TUM if name not in named)
-            raise RevisitError(f"{path}, line {number}: no line of `{FORM}`; as names of columns it lacks {missing}")
-    usual = Counter(len(cells) for _, cells in rows).most_common(1)
-    count = usual[0][0] if usual else width
+        if not is_comment and (rows or any(map(NUMBER.fullmatch, cells))):
+            rows += [(number, cells)] if any(cells) else []
+        elif not rows and any(cells):
+            named = columns_of(cells)
+            if len(named) == len(TUM):
+                columns, width = named, len(cells)
+            # A comment may say anything, but one that names half of a pose names columns.
+            elif not is_comment or len(named) >= len(TUM) // 2:
+                lacking = ", ".join(name for name in TUM if name not in named)
+                raise RevisitError(f"{path}, line {number}: no line of `{FORM}`; as names of columns it lacks {lacking}")
+    count = Counter(len(cells) for _, cells in rows).most_common(1)[0][0] if rows else width
     if columns is UNNAMED and count != width:
-        told = MATRICES if count in (12, 16) else f"`{FORM}` has {width}: name them all in a first line, `# timestamp x y z ..`"
+        told = MATRIX if count in (12, 16) else f"`{FORM}` has {width}: name them all in a first line, `# timestamp x y z ..`"
         raise RevisitError(f"{path}: {count} numbers a line: {told}")
     return columns, width, rows
 
@@ -137,14 +134,6 @@ def _cells(line: str) -> list[str]:
     # A unit belongs to the name before it.
     line = re.sub(r"\s+(?=[\[(])", "", line).strip().rstrip(separator)
     return [cell.strip(' "') for cell in line.split(separator)]
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
 
 
 def _pose(columns: Columns, cells: list[str]) -> tuple[Decimal, np.ndarray, np.ndarray] | str:
@@ -164,15 +153,13 @@ def _pose(columns: Columns, cells: list[str]) -> tuple[Decimal, np.ndarray, np.n
 
 def _unit(path: Path, columns: Columns, times: list[Decimal]) -> tuple[int, tuple[str, ...]]:
     """Return the nanoseconds of the times' unit, and what was assumed."""
-    named = columns["t"][1]
-    unit = NANOSECONDS.get(named) or unit_ns(times[len(times) // 2])
+    named = NANOSECONDS.get(columns["t"][1])
+    unit = named or unit_ns(times[len(times) // 2])
     steps = sorted(later - earlier for earlier, later in zip(times, times[1:]))
-    # A robot's poses are not hours apart.
     if unit is None or steps and steps[len(steps) // 2] * unit > STEP_MAX_NS:
-        raise RevisitError(
-            f"{path}: the unit of times like {times[-1]} is not known: name it in a first line, `# timestamp[ns] x y z ..`"
-        )
-    if named in NANOSECONDS or unit == NANOSECONDS["s"]:
+        told = f"the unit of times like {times[-1]} is not known"
+        raise RevisitError(f"{path}: {told}: name it in a first line, `# timestamp[ns] x y z ..`")
+    if named or unit == NANOSECONDS["s"]:
         return unit, ()
     order = ("quaternions are x y z w",) if columns is UNNAMED else ()
     return unit, (f"times are in {UNIT_NAMES[unit]}, by their digits", *order)
