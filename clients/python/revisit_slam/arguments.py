@@ -88,6 +88,7 @@ def _add_plan(commands: Any) -> None:
     add("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
     add("-o", "--output", type=Path, metavar="NDJSON", help="write a recording with the prior anchors")
     add("--level", metavar="NAME", help="the floor: names it where the file does not, picks it where the file has several")
+    add("--language", metavar="LANG", default="", help="which of names in several languages [the file's own, else the first]")
     add("--class", dest="sign_class", metavar="CLASS", default="door_number", help="class of the signs, as detections name it [door_number]")
 
 

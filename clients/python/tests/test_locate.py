@@ -124,17 +124,18 @@ def test_a_truth_judges_what_it_names_and_no_more(tmp_path: Path) -> None:
     from revisit_slam.pixels.truth import Truth
 
     names = ["up/0001.jpg", "down/0001.jpg", "1700000000.25.png", "hall.HEIC", "stairs.jpg", "roof.jpg", "lift.jpg"]
+    names.append("north/hall.jpg")
     frames = [Frame(name.rsplit(".", 1)[0].replace("/", "."), tmp_path / name, "", number) for number, name in enumerate(names)]
-    rows = ["up\\0001.jpg,2", "down/0001,1", "other/1700000000.25.jpg,2", "hall,1", "stairs.jpg,1", "stairs.png,2", "roof.jpg,"]
-    (tmp_path / "truth.csv").write_text("\n".join(["frame,floor", *rows, "lift.jpg,1"]))
+    rows = ["up\\0001.jpg,2", "north.hall,1", "down/0001,1", "other/1700000000.25.jpg,2", "hall,1", "stairs.jpg,1"]
+    (tmp_path / "truth.csv").write_text("\n".join(["frame,floor", *rows, "stairs.png,2", "roof.jpg,", "lift.jpg,1"]))
     truth = Truth(tmp_path / "truth.csv", frames)
     assert truth.same_floor("up.0001", "1700000000.25") and truth.same_floor("down.0001", "hall")
     assert not truth.same_floor("up.0001", "down.0001")
     # What is not known is neither right nor wrong.
     assert truth.lists("stairs", ["roof", "up.0001"]) == ([], ["roof", "up.0001"])
     assert truth.left_out.told() == [
-        "left out 1: stairs.png stands there twice, with different values: truth.csv, line 7",
-        "left out 1: `frame` and `floor` must not be empty: truth.csv, line 8",
+        "left out 1: stairs.png stands there twice, with different values: truth.csv, line 8",
+        "left out 1: `frame` and `floor` must not be empty: truth.csv, line 9",
         "left out 2: no floor in truth.csv, so not judged: stairs.jpg, roof.jpg",
     ]
 

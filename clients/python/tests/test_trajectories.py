@@ -26,7 +26,7 @@ ROSTOPIC = (
     f"{TIME_NS},7,odom,1.5,-2,0.25,0,0.6,0,0.8,0,9\n"
 )
 FORMS = {
-    "TUM's": f"# ground truth trajectory\n# file: 'walk.bag'\n# timestamp tx ty tz qx qy qz qw\n1700000000.25 1.5 -2 0.25 {TURN}\n",
+    "TUM's": f"# ground truth\n# file: 'walk.bag'\n# timestamp tx ty tz qx qy qz qw\n1700000000.25 1.5 -2 0.25 {TURN}\n",
     "TUM's without a comment": f"1700000000.2500 1.5 -2 0.25 {TURN}\n",
     "RTAB-Map's with ids": f"#timestamp x y z qx qy qz qw id\n1700000000.250000 1.5 -2 0.25 {TURN} 12\n",
     "EuRoC's ground truth": EUROC,
@@ -58,7 +58,8 @@ def test_a_pose_is_the_same_however_it_is_written(form: str, encoding: str, tmp_
 
 
 def test_what_is_assumed_of_times_is_said_and_what_the_file_says_is_not(tmp_path: Path) -> None:
-    assert read(tmp_path, FORMS["ORB-SLAM3's"]).assumed == ("times are in nanoseconds, by their digits", "quaternions are x y z w")
+    told = ("times are in nanoseconds, by their digits", "quaternions are x y z w")
+    assert read(tmp_path, FORMS["ORB-SLAM3's"]).assumed == told
     for form in ("TUM's", "TUM's without a comment", "EuRoC's ground truth", "millimetres"):
         assert read(tmp_path, FORMS[form]).assumed == (), form
 

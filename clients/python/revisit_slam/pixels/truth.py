@@ -14,6 +14,7 @@ from .frames import Frame
 
 # Nearer frames of one video show the same passage: naming one of them is no loop found.
 MIN_FRAMES_APART = 10
+ENDING = re.compile(r"\.(jpe?g|png|bmp|webp|tiff?|hei[cf]|hif)$", re.IGNORECASE)
 
 
 def labels_of(
@@ -21,8 +22,7 @@ def labels_of(
 ) -> dict[str, tuple[str, ...]]:
     """Return what a CSV's columns say of each photograph, by its id; a column with values has no others.
 
-    A row names a photograph by its id, its path or the end of that, or a stem that no other row has. Rows that say
-    nothing or contradict each other are left out, and so are photographs without a row.
+    A row names a photograph by its id, its path or the end of that, or a stem that no other row has.
 
     Raises:
         RevisitError: Half of the photographs, or more, have no row.
@@ -64,7 +64,7 @@ def labels_of(
 
 def _plain(name: str) -> str:
     """Return the name of a photograph without its ending; a number after a dot is none."""
-    return re.sub(r"\.[A-Za-z][A-Za-z0-9]{1,4}$", "", name.replace("\\", "/").removeprefix("./"))
+    return ENDING.sub("", name.replace("\\", "/").removeprefix("./"))
 
 
 def _names(frame: Frame) -> list[str]:
@@ -90,8 +90,8 @@ class Truth:
     def right(self, query: str, answer: str) -> bool:
         """Whether `answer` is a loop found: on the same floor, in another video or far enough in this one."""
         a, b = self._frames[query], self._frames[answer]
-        is_known = query in self._floors and answer in self._floors
-        return is_known and self.same_floor(query, answer) and (a.video != b.video or abs(a.number - b.number) >= MIN_FRAMES_APART)
+        is_far = a.video != b.video or abs(a.number - b.number) >= MIN_FRAMES_APART
+        return is_far and {query, answer} <= self._floors.keys() and self.same_floor(query, answer)
 
     def lists(self, query: str, earlier: Iterable[str]) -> tuple[list[str], list[str]]:
         """Return the right answers among earlier keyframes, and those that are neither right nor wrong."""

@@ -20,10 +20,19 @@ SHOWN_MAX = 20
 
 def play_plans(chosen: argparse.Namespace) -> int:
     """Read plans, tell what they show, and put or write their prior anchors."""
-    plans = [read_plan(path, chosen.level) for path in chosen.source]
+    plans, errors = [], []
+    for path in chosen.source:
+        try:
+            plans.append(read_plan(path, chosen.level, chosen.language))
+        except RevisitError as error:
+            errors.append(error)
+    if not plans:
+        raise RevisitError("\nrevisit-play: ".join(map(str, errors)))
     lines = _lines(plans, chosen.sign_class)
     for plan in plans:
         _tell(plan)
+    for error in errors:
+        print(f"revisit-play: left out: {error}", file=sys.stderr)
     if not lines:
         raise RevisitError("the plans show no signs")
     _warn_of_repeated(plans)
@@ -56,7 +65,7 @@ def _lines(plans: list[Plan], class_: str) -> list[tuple[str, dict[str, Any]]]:
 def _tell(plan: Plan) -> None:
     for level, signs in plan.levels().items():
         print(f"{plan.source}: level {level}: {len(signs)} signs in frame {frame(level)}")
-    for note in plan.notes[:SHOWN_MAX]:
+    for note in (*(f"assumed: {one}" for one in plan.assumed), *plan.notes[:SHOWN_MAX], *plan.left_out.told()):
         print(f"revisit-play: {plan.source}: {note}", file=sys.stderr)
 
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Iterable, Sequence
 
+from ..errors import RevisitError
 from .plan import Point
 
+REPROJECT = "`ogr2ogr -s_srs EPSG:CODE -t_srs EPSG:4326 NEW OLD` makes them of metres"
 EARTH_RADIUS_M = 6_378_137.0
 # A door drawn as a gap or a leaf of the wall is this near to its room's outline, in metres.
 DOOR_NEAR_M = 0.6
+# What is further from the middle is no part of the plan: about 11 km.
+FAR_DEG = 0.1
 
 
 class LocalMetres:
@@ -26,10 +31,20 @@ class LocalMetres:
         return (longitude - self._origin[0]) * self._east_m, (latitude - self._origin[1]) * self._north_m
 
 
-def origin_of(places: Iterable[Point]) -> LocalMetres:
-    """Return the plane around the south-western corner of places in degrees, so that coordinates are positive."""
-    listed = list(places)
-    return LocalMetres(min(place[0] for place in listed), min(place[1] for place in listed))
+def origin_of(places: Iterable[Point], source: str) -> LocalMetres:
+    """Return the plane around the south-western corner of places in degrees, so that coordinates are positive.
+
+    Raises:
+        RevisitError: They are no degrees.
+    """
+    listed = list(places) or [(0.0, 0.0)]
+    middle = statistics.median(place[0] for place in listed), statistics.median(place[1] for place in listed)
+    if not (abs(middle[0]) <= 180 and abs(middle[1]) <= 90):
+        told = f"places like {middle[0]:g}, {middle[1]:g} are no degrees of longitude and latitude"
+        raise RevisitError(f"{source}: {told}: {REPROJECT}")
+    # One place elsewhere, as at 0, 0, moves no other.
+    near = [place for place in listed if math.dist(place, middle) < FAR_DEG] or listed
+    return LocalMetres(min(place[0] for place in near), min(place[1] for place in near))
 
 
 def centre(outline: Sequence[Point]) -> Point:

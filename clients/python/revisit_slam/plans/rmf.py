@@ -1,124 +1,147 @@
-"""Open-RMF building maps (`*.building.yaml`): levels with named vertices, doors and lifts, drawn in pixels of an image."""
+"""Open-RMF building maps (`*.building.yaml`): levels with named vertices, doors and lifts, drawn on an image or on the earth."""
 
 from __future__ import annotations
 
 import math
 import statistics
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from ..errors import RevisitError
-from .places import LocalMetres, origin_of
-from .plan import Plan, Point, Sign
+from ..files import not_a, text_of
+from .places import origin_of
+from .plan import Plan, Point, Sign, words
 
+FORM = "a building map with levels"
+# What x and y are: pixels of an image, pixels of the world drawn on 256 x 256, metres, or longitude and latitude.
+IMAGE, MERCATOR, METRES, DEGREES = SYSTEMS = ("reference_image", "web_mercator", "cartesian_meters", "wgs84")
 # Vertices with these properties are places of robots, not of signs.
 ROBOT_PROPERTIES = ("is_charger", "spawn_robot_name", "is_cleaning_zone")
 
 
-def read_rmf(path: Path, level: str | None) -> Plan:
+def read_rmf(path: Path, level: str | None, language: str = "") -> Plan:
     """Read a building map: a sign at each named door and each named vertex, of one floor or of all."""
     try:
         import yaml
     except ImportError as error:
         raise RevisitError("building maps need PyYAML: pip install 'revisit-slam[plans]'") from error
     try:
-        building = yaml.safe_load(path.read_text(encoding="utf-8"))
-        levels = dict(building["levels"])
+        building = yaml.safe_load(text_of(path, FORM))
+        # A level may be called 1, which is a number there.
+        building["levels"] = {str(name): drawn for name, drawn in dict(building["levels"]).items() if isinstance(drawn, dict)}
     except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
-        raise RevisitError(f"{path}: not a building map: it has no levels") from error
+        raise not_a(FORM, path) from error
+    if building.get("coordinate_system", IMAGE) not in SYSTEMS:
+        raise RevisitError(f"{path}: coordinate_system {building['coordinate_system']} is not known, only {', '.join(SYSTEMS)}")
     plan = Plan(path.name)
-    scale = None
-    for name, drawn in levels.items():
-        if level is not None and name != level:
-            continue
-        scale = _Floor(plan, building, name, drawn, scale).add()
+    floors = [_Floor(plan, building, name) for name in building["levels"]]
+    scale = next((floor.scale for floor in floors if floor.scale), None)
+    for floor in floors:
+        scale = floor.scale or scale
+        if level in (None, floor.name):
+            floor.add(scale)
     return plan
 
 
 class _Floor:
     """A level of a building map."""
 
-    def __init__(self, plan: Plan, building: dict[str, Any], name: str, drawn: dict[str, Any], scale: float | None) -> None:
-        self._plan, self._building, self._name, self._drawn = plan, building, str(name), drawn
-        self._vertices = list(drawn.get("vertices") or [])
-        self._scale = self._metres_per_pixel() or scale
+    def __init__(self, plan: Plan, building: dict[str, Any], name: str) -> None:
+        self._plan, self._building, self._drawn, self.name = plan, building, building["levels"][name], name
+        self._system = building.get("coordinate_system", IMAGE)
+        # As it is drawn: of each vertex its place, its name and its properties.
+        self._vertices: dict[int, tuple[Point, str, dict[str, Any]]] = {}
+        for number, vertex in enumerate(self._drawn.get("vertices") or []):
+            try:
+                x, y, *more = vertex
+                text, properties = (*more[1:], "", {})[:2]
+                self._vertices[number] = self._as_drawn(x, y), words(text), dict(properties or {})
+            except (TypeError, ValueError, OverflowError):
+                plan.left_out.add(f"{name}: vertex {number}", "no vertex of x, y, z, a name and properties")
+        self.scale = self._metres_per_pixel() if self._system == IMAGE else 1.0
 
-    def add(self) -> float | None:
-        """Add the floor's signs; return its scale, which a floor without measurements takes over."""
+    def add(self, scale: float | None) -> None:
+        """Add the floor's signs; without measurements of its own it has another floor's scale."""
         if not self._vertices:
-            return self._scale
-        in_degrees = self._building.get("coordinate_system") == "wgs84"
-        if not in_degrees and self._scale is None:
-            raise RevisitError(f"{self._plan.source}: level {self._name} has no measurement, so its scale is unknown")
-        degrees = origin_of((float(v[0]), float(v[1])) for v in self._vertices) if in_degrees else None
-        named = self._vertex_signs(degrees)
-        doors = self._door_signs(degrees)
-        self._plan.signs += doors + named + self._lift_signs(degrees)
-        return self._scale
+            return
+        if scale is None:
+            raise RevisitError(f"{self._plan.source}: level {self.name} has no measurement, so its scale is unknown")
+        if self.scale is None:
+            self._plan.assumed.append(f"level {self.name} has no measurement: another level's {scale:.4g} m a pixel are taken")
+        at = lambda x, y: (x * scale, y * scale)  # noqa: E731
+        if self._system in (MERCATOR, DEGREES):
+            at = origin_of((place for place, *_ in self._vertices.values()), self._plan.source)
+        found = [*self._doors(), *self._named_vertices(), *self._lifts()]
+        self._plan.signs += [Sign(self.name, text, at(*place)) for text, place in found]
 
-    def _at(self, x: float, y: float, degrees: LocalMetres | None) -> Point:
-        if degrees is not None:
-            return degrees(x, y)
-        # An image's y points down.
-        return x * (self._scale or 1.0), -y * (self._scale or 1.0)
+    def _as_drawn(self, x: Any, y: Any) -> Point:
+        """Return a place with y up: in pixels, in metres, or in degrees."""
+        x, y = float(x), float(y)
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise ValueError("no place")
+        if self._system == IMAGE:
+            return x, -y
+        if self._system == METRES:
+            told = self._building.get("parameters") or {}
+            return x - float(_value(told.get("offset_x")) or 0), y - float(_value(told.get("offset_y")) or 0)
+        if self._system == MERCATOR:
+            # From the north; later editors write it below zero.
+            return (x / 128 - 1) * 180, math.degrees(math.atan(math.sinh(math.pi * (1 - abs(y) / 128))))
+        return x, y
 
-    def _vertex(self, number: int, degrees: LocalMetres | None) -> Point:
-        return self._at(float(self._vertices[number][0]), float(self._vertices[number][1]), degrees)
+    def _edges(self, kind: str) -> Iterator[tuple[Point, Point, dict[str, Any]]]:
+        """Yield the ends and the properties of each door or measurement."""
+        for number, edge in enumerate(self._drawn.get(kind) or []):
+            try:
+                start, end, *properties = edge
+                yield self._vertices[start][0], self._vertices[end][0], dict(*properties)
+            except (KeyError, TypeError, ValueError):
+                self._plan.left_out.add(f"{self.name}: {number} of {kind}", "it names no two vertices of its level")
 
     def _metres_per_pixel(self) -> float | None:
         """Return the median of what the measurements say."""
         scales = []
-        for start, end, properties in self._drawn.get("measurements") or []:
-            a, b = self._vertices[start], self._vertices[end]
-            pixels = math.hypot(float(a[0]) - float(b[0]), float(a[1]) - float(b[1]))
-            metres = float(_value(properties.get("distance")) or 0)
-            if pixels > 0 and metres > 0:
-                scales.append(metres / pixels)
+        for a, b, properties in self._edges("measurements"):
+            metres = _value(properties.get("distance"))
+            if math.dist(a, b) > 0 and isinstance(metres, (int, float)) and metres > 0:
+                scales.append(metres / math.dist(a, b))
         return statistics.median(scales) if scales else None
 
-    def _door_signs(self, degrees: LocalMetres | None) -> list[Sign]:
-        signs = []
-        for start, end, properties in self._drawn.get("doors") or []:
-            name = str(_value(properties.get("name")) or "")
-            a, b = self._vertex(start, degrees), self._vertex(end, degrees)
-            if name:
-                signs.append(Sign(self._name, name, ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)))
-        return signs
+    def _doors(self) -> Iterator[tuple[str, Point]]:
+        for a, b, properties in self._edges("doors"):
+            if name := words(_value(properties.get("name"))):
+                yield name, ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
 
-    def _vertex_signs(self, degrees: LocalMetres | None) -> list[Sign]:
-        signs, left_out = [], []
-        for number, vertex in enumerate(self._vertices):
-            name = str(vertex[3]) if len(vertex) > 3 else ""
-            properties = vertex[4] if len(vertex) > 4 and isinstance(vertex[4], dict) else {}
-            if not name:
-                continue
-            if any(_value(properties.get(key)) for key in ROBOT_PROPERTIES):
-                left_out.append(name)
-            else:
-                signs.append(Sign(self._name, name, self._vertex(number, degrees)))
-        if left_out:
-            self._plan.notes.append(f"{self._name}: {', '.join(left_out)}: places of robots, no signs")
-        return signs
+    def _named_vertices(self) -> Iterator[tuple[str, Point]]:
+        for place, name, properties in self._vertices.values():
+            if name and any(_value(properties.get(key)) for key in ROBOT_PROPERTIES):
+                self._plan.left_out.add(f"{self.name}: {name}", "places of robots, no signs")
+            elif name:
+                yield name, place
 
-    def _lift_signs(self, degrees: LocalMetres | None) -> list[Sign]:
-        """Return the lifts that stop here. Each is drawn on one level; fiducials tell where that is on the others."""
-        signs = []
+    def _lifts(self) -> Iterator[tuple[str, Point]]:
+        """Yield the lifts that stop here. Each is drawn on one level; fiducials tell where that is on the others."""
         for name, lift in (self._building.get("lifts") or {}).items():
-            if self._name not in map(str, lift.get("level_doors") or {}):
+            try:
+                if self.name not in map(str, lift.get("level_doors") or {}):
+                    continue
+                place = complex(*self._as_drawn(lift["x"], lift["y"]))
+            except (AttributeError, KeyError, TypeError, ValueError):
+                self._plan.left_out.add(f"{self.name}: {name}", "a lift without a place")
                 continue
-            reference = str(lift.get("reference_floor_name"))
-            place = complex(float(lift["x"]), float(lift["y"]))
-            here = place if reference == self._name else self._from_level(reference, place)
+            told = (lift.get("reference_floor_name"), self._building.get("reference_level_name"), *self._building["levels"])
+            reference = next(str(level) for level in told if level is not None)
+            is_here = reference == self.name or self._system != IMAGE
+            here = place if is_here else self._from_level(reference, place)
             if here is None:
-                self._plan.notes.append(f"{self._name}: {name} is drawn on level {reference}, and no fiducials tell where here")
+                self._plan.notes.append(f"{self.name}: {name} is drawn on level {reference}, and no fiducials tell where here")
             else:
-                signs.append(Sign(self._name, str(name), self._at(here.real, here.imag, degrees)))
-        return signs
+                yield str(name), (here.real, here.imag)
 
     def _from_level(self, level: str, place: complex) -> complex | None:
         """Return a place of another level's image in this one's, by the fiducials that both have."""
-        levels = {str(name): drawn for name, drawn in self._building["levels"].items()}
-        theirs, ours = _fiducials(levels.get(level) or {}), _fiducials(self._drawn)
+        theirs, ours = self._fiducials(level), self._fiducials(self.name)
         shared = sorted(theirs.keys() & ours.keys())
         if len(shared) < 2:
             return None
@@ -131,9 +154,9 @@ class _Floor:
         turned = sum((theirs[name] - from_mean).conjugate() * (ours[name] - to_mean) for name in shared) / spread
         return to_mean + turned * (place - from_mean)
 
-
-def _fiducials(drawn: dict[str, Any]) -> dict[str, complex]:
-    return {str(name): complex(float(x), float(y)) for x, y, name in drawn.get("fiducials") or []}
+    def _fiducials(self, level: str) -> dict[str, complex]:
+        drawn = (self._building["levels"].get(level) or {}).get("fiducials") or []
+        return {str(one[2]): complex(*self._as_drawn(*one[:2])) for one in drawn if isinstance(one, list) and len(one) == 3}
 
 
 def _value(property_: Any) -> Any:
