@@ -39,8 +39,8 @@ def read_geojson(path: Path, level: str | None, language: str = "") -> Plan:
     plan = Plan(path.name)
     features = _features(path, plan)
     there = {feature.get("feature_type") for feature in features}
-    for beside in (path.with_name(f"{kind}.geojson") for kind in BESIDE if "unit" in there and kind not in there):
-        features += _features(beside, plan) if beside.exists() else []
+    for beside in (path.with_name(f"{kind}.geojson") for kind in BESIDE if kind not in there):
+        features += _features(beside, plan) if beside.exists() and any("level_id" in one for one in features) else []
     language = _language(path, plan, features, language)
     names = _names(features, language)
     floors: dict[str, tuple[list[Room], list[Point]]] = {}
