@@ -49,11 +49,12 @@ def parser() -> argparse.ArgumentParser:
         description="Play the left camera (mav0/cam0) of a sequence in the ASL format of EuRoC, undistorted. Poses are the "
         "ground truth's, where it is there. Distances of signs are assumed.",
     )  # fmt: skip
-    plays(
+    tum = plays(
         "tum", "DIR", camera, trajectory, every, help="play a sequence in TUM's RGB-D format",
         description="Play rgb.txt; poses are those of groundtruth.txt, and signs are as far as depth.txt's images tell. "
         "Without --calibration the camera is the benchmark's default (525,525,319.5,239.5).",
     )  # fmt: skip
+    tum.add_argument("--depth-units-per-metre", type=float, metavar="N", help="unit of the depth images [5000; RealSense: 1000]")
     colmap = plays(
         "colmap", "MODEL", help="play a COLMAP model",
         description="Play the images of a sparse model (.bin or .txt) with its poses, cameras and points. Signs are as far as "
@@ -68,6 +69,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     for name, what in (("image", "pictures"), ("camera-info", "the camera"), ("odometry", "odometry")):
         bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
+    doctor = commands.add_parser("doctor", help="say what a folder or a file is, and what would be read, assumed and left out")
+    doctor.add_argument("source", type=Path, metavar="FOLDER|FILE")
     _add_locate(commands)
     _add_plan(commands)
     add_import(commands)
@@ -182,7 +185,7 @@ def check_common(chosen: argparse.Namespace) -> None:
 
 def check_numbers(chosen: argparse.Namespace) -> None:
     """Refuse lengths that are none."""
-    for name in ("focal_px", "letter_height_m", "metres_per_unit"):
+    for name in ("focal_px", "letter_height_m", "metres_per_unit", "depth_units_per_metre"):
         value = getattr(chosen, name, None)
         if value is not None and not 0 < value < 1e6:
             raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")

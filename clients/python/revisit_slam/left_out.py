@@ -2,27 +2,48 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
+from .errors import RevisitError
+
 SHOWN_MAX = 5
+
+
+class Unreadable(RevisitError):
+    """One thing that cannot be read: its name, and why."""
+
+    def __init__(self, name: object, why: str) -> None:
+        super().__init__(f"{name}: {why}")
+        self.name, self.why = name, why
 
 
 class LeftOut:
     """Things that are left out, by reason, in the order in which they were found."""
 
     def __init__(self) -> None:
-        self._reasons: dict[str, list[str]] = {}
+        self._reasons: dict[str, Counter[str]] = {}
 
-    def add(self, name: object, why: str) -> None:
-        """Note one."""
-        self._reasons.setdefault(why, []).append(str(name))
+    def __contains__(self, name: object) -> bool:
+        return any(str(name) in names for names in self._reasons.values())
+
+    def add(self, name: object, why: str, count: int = 1) -> None:
+        """Note one, or what has so many."""
+        self._reasons.setdefault(why, Counter())[str(name)] += count
+
+    def add_all(self, other: LeftOut, where: str) -> None:
+        """Note what was left out of something that this has."""
+        for why, names in other._reasons.items():
+            for name, count in names.items():
+                self.add(f"{where}, {name}", why, count)
 
     @property
     def count(self) -> int:
         """How many there are."""
-        return sum(map(len, self._reasons.values()))
+        return sum(names.total() for names in self._reasons.values())
 
     def told(self) -> list[str]:
         """Return a line for each reason."""
-        return [f"left out {len(names)}: {why}: {_shown(names)}" for why, names in self._reasons.items()]
+        return [f"left out {names.total()}: {why}: {_shown(list(names))}" for why, names in self._reasons.items()]
 
 
 def _shown(names: list[str]) -> str:

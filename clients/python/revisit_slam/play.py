@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        commands = {"sample": _sample, "locate": _locate, "plan": _plan, "import": _import}
+        commands = {"sample": _sample, "locate": _locate, "plan": _plan, "import": _import, "doctor": _doctor}
         return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
@@ -78,6 +78,13 @@ def _import(chosen: argparse.Namespace) -> int:
     return play_import(chosen, _settings(chosen.set))
 
 
+def _doctor(chosen: argparse.Namespace) -> int:
+    _need_pixels()
+    from .doctor import doctor
+
+    return doctor(chosen.source)
+
+
 def _locate(chosen: argparse.Namespace) -> int:
     _need_pixels()
     check_common(chosen)
@@ -103,8 +110,7 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
     from .pixels.table import table
     from .pixels.truth import Truth
 
-    for note in source.notes:
-        print(f"revisit-play: {note}", file=sys.stderr)
+    print(source.summary(), file=sys.stderr if chosen.json else sys.stdout, flush=True)
     truth = Truth(chosen.truth, source.frames) if chosen.truth else None
     options = Options(
         every_frame=chosen.every_frame,
@@ -135,6 +141,10 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
             names=chosen.names,
             progress=_progress(),
         )
+    if not run.seen:
+        raise source.nothing()
+    for told in source.left_out.told():
+        print(f"revisit-play: {told}", file=sys.stderr)
     if chosen.report:
         from .pixels.report import report
 
@@ -146,7 +156,6 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
         print(msgspec.json.encode(run.score.figures(truth is not None)).decode())
     elif client is not None:
         print(table(run, truth))
-        print(f"poses: {source.poses}; distances of signs: {source.distances}")
     if chosen.server and not chosen.no_query:
         print(f"viewer: {chosen.server.rstrip('/')}/?map={chosen.map}", file=sys.stderr)
     if chosen.report:

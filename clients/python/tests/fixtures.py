@@ -170,10 +170,11 @@ def bag(
     topic_name: str = "image_raw",
     focal_px: float = FOCAL_PX,
     stamped: bool = True,
+    broken: bool = False,
 ) -> Path:
     """Write a ROS 2 recording as MCAP: pictures, their camera, odometry of the base, and the camera's place on it.
 
-    Not `stamped`: headers carry no time, messages are only recorded at theirs.
+    Not `stamped`: headers carry no time, messages are only recorded at theirs. `broken`: the first picture is no message.
     """
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -197,6 +198,8 @@ def bag(
 
         kind = "Image" if raw else "CompressedImage"
         pictures = topic(f"/camera/{topic_name}" + ("" if raw else "/compressed"), f"sensor_msgs/msg/{kind}")
+        if broken:
+            writer.write(writer.connections[-1], START_NS, b"\0\1\0\0\xff\xff\xff\xff")
         depths = topic("/camera/depth/image_raw", "sensor_msgs/msg/Image")
         infos = topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo")
         odometry = topic("/odom", "nav_msgs/msg/Odometry")

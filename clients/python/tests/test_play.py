@@ -132,7 +132,7 @@ def test_the_global_descriptor_of_a_photograph_is_sent_and_the_next_one_is_alike
     [
         (("images", "nowhere"), "nowhere: no such folder"),
         (("images", "{empty}"), "no photographs in it"),
-        (("images", "{broken}", "--no-query", "-o", "{tmp}/o.ndjson"), "bad_1.jpg: not a picture"),
+        (("images", "{broken}", "--no-query", "-o", "{tmp}/o.ndjson"), "nothing to play; left out 1: not a picture"),
         (("images", "{building}", "--truth", "{broken}/truth.csv"), "no columns `frame` and `floor`"),
         (("images", "{building}", "--truth", "{short}/truth.csv"), "no floor for visit1_frame_0001.jpg"),
         (("images", "{building}", "--map", "a/b"), "--map a/b"),

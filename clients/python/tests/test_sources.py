@@ -139,7 +139,7 @@ def test_a_bag_has_its_odometry_its_camera_and_where_it_sits(raw: bool, one_visi
 def test_a_bag_whose_camera_nothing_joins_to_the_odometry_says_so(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
     file = fixtures.bag(tmp_path / "drive", one_visit, joined=False)
     done = play("bag", file, "--cache", cache, "--no-query", "-o", tmp_path / "bag.ndjson")
-    assert done.returncode == 0 and "nothing on /tf_static joins it to the camera's optical" in done.stderr
+    assert done.returncode == 0 and "nothing on /tf_static joins it to the camera's optical" in done.stdout
     bodies = [json.loads(line)["body"] for line in (tmp_path / "bag.ndjson").read_text().splitlines()[1:] if "body" in line]
     assert all(body["pose"]["translation"] == {"x": 0, "y": 0, "z": 0} for body in bodies if "pose" in body)
 
@@ -169,7 +169,7 @@ def test_pictures_listed_twice_are_played_once(one_visit: list[Timed], cache: Pa
     (folder / "rgb.txt").write_text((folder / "rgb.txt").read_text() * 2)
     arguments = ("--calibration", "600,600,400,300", "--cache", cache, "--every-s", "0", "--every-frame", "--no-query")
     done = play("tum", folder, *arguments, "-o", tmp_path / "o.ndjson")
-    assert done.returncode == 0 and "9 photographs are listed twice" in done.stderr, done.stderr
+    assert done.returncode == 0 and "left out 9: listed twice: " in done.stderr, done.stderr
     ids = [json.loads(line)["id"] for line in (tmp_path / "o.ndjson").read_text().splitlines()[1::2]]
     assert len(ids) == len(set(ids)) == len(one_visit)
 
@@ -236,7 +236,7 @@ def test_photographs_named_by_their_time_take_poses_from_a_trajectory(
     poses = fixtures.trajectory(tmp_path / "poses.txt", one_visit[2:])
     output = tmp_path / "o.ndjson"
     done = play("images", folder, "--cache", cache, "--no-query", "-o", output, "--trajectory", poses)
-    assert done.returncode == 0 and "2 of 9 photographs have no pose" in done.stderr
+    assert done.returncode == 0 and "left out 2: no pose near its time: " in done.stderr
     lines = [json.loads(line) for line in output.read_text().splitlines()]
     assert_posed({line["id"]: line["body"] for line in lines if line["op"] == "keyframe"}, one_visit)
 

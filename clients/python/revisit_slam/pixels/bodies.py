@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import base64
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..left_out import LeftOut, Unreadable
 from .detections import detection
 from .features import Features
+from .frames import View
 from .global_descriptors import GlobalDescriptors
 from .options import Options
 from .ranges import Ranges
@@ -23,18 +26,22 @@ SECOND_NS = 1_000_000_000
 class Bodies:
     """Makes the bodies of one run; map points are numbered through it."""
 
-    def __init__(self, options: Options) -> None:
-        self._options = options
+    def __init__(self, options: Options, left_out: LeftOut) -> None:
+        self._options, self._left_out = options, left_out
         self._vocabulary = Vocabulary.shipped()
         self._globals = GlobalDescriptors(options.global_model) if options.global_model else None
         self._next_point = 0
         # Landmarks whose place was sent, by session: it is sent once.
         self._placed: dict[str, set[int]] = {}
 
-    def of(self, index: int, tracked: Tracked, image: np.ndarray, signs: list[Sign]) -> dict[str, Any]:
+    def of(self, index: int, tracked: Tracked, view: View, signs: list[Sign]) -> dict[str, Any]:
         """Return the body of the keyframe of the `index`-th photograph."""
         frame, options, pose = tracked.frame, self._options, tracked.session_from_camera
-        ranges = Ranges(frame, tracked.camera, options.letter_height_m)
+        try:
+            ranges = Ranges(frame, tracked.camera, options.letter_height_m)
+        except Unreadable as error:
+            self._left_out.add(error.name, f"{error.why}; no distances are measured by it")
+            ranges = Ranges(replace(frame, depth=None), tracked.camera, options.letter_height_m)
         # Where photographs carry no time that can be trusted: one a second, in order.
         stamp_ns = frame.stamp_ns if frame.stamp_ns is not None else (index + 1) * SECOND_NS
         body: dict[str, Any] = {
@@ -46,13 +53,11 @@ class Bodies:
             "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
         }
         if self._globals is not None:
-            body["global_descriptor"] = self._globals.of(image)
+            body["global_descriptor"] = self._globals.of(view.turn.seen(view.image))
         if frame.landmarks is not None:
             body |= self._landmarks(tracked)
         if signs:
-            body["detections"] = [
-                detection(sign, image, tracked.camera, pose, ranges, options.crops) for sign in signs
-            ]
+            body["detections"] = [detection(sign, view, tracked.camera, pose, ranges, options.crops) for sign in signs]
         if options.features and len(tracked.features):
             body["features"] = _features(tracked.features)
             if frame.depth is not None and frame.session_from_camera is not None:

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from ..errors import RevisitError
+from ..left_out import Unreadable
 
 # A lens of 27 mm on 36 mm of film, the main camera of most phones.
 FOCAL_SHARE = 0.75
@@ -106,9 +107,9 @@ class Calibration:
         """Return the camera of an undistorted picture; one that is none of that picture is an error that names it."""
         height, width = image.shape[:2]
         if not (0 <= self.cx <= width and 0 <= self.cy <= height):
-            raise RevisitError(f"{name}: {width} x {height} pixels, but the camera's centre is at {self.cx:g}, {self.cy:g}")
+            raise Unreadable(name, f"{width} x {height} pixels, but the camera's centre is at {self.cx:g}, {self.cy:g}")
         if self.size is not None and self.size != (width, height):
-            raise RevisitError(f"{name}: {width} x {height} pixels, but the calibration is of {self.size[0]} x {self.size[1]}")
+            raise Unreadable(name, f"{width} x {height} pixels, but the calibration is of {self.size[0]} x {self.size[1]}")
         return Camera(self.fx, self.fy, self.cx, self.cy, width, height)
 
     def undistorted(self, image: np.ndarray, interpolation: int = cv2.INTER_LINEAR) -> np.ndarray:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from .camera import Camera
+from .frames import View
 from .ranges import Ranges
 from .signs import Sign
 
@@ -16,7 +17,7 @@ MAX_CROP_PX = 320
 
 
 def detection(
-    sign: Sign, image: np.ndarray, camera: Camera, session_from_camera: np.ndarray, ranges: Ranges, crops: bool
+    sign: Sign, view: View, camera: Camera, session_from_camera: np.ndarray, ranges: Ranges, crops: bool
 ) -> dict[str, Any]:
     """Return a sign as a detection of the API; where its distance is a guess it says so."""
     x0, y0, x1, y1 = sign.box
@@ -38,19 +39,20 @@ def detection(
         body["range"] = "assumed"
     body["text"] = sign.text
     if crops:
-        crop = _crop(image, sign.box)
+        crop = _crop(view, sign.box)
         if crop is not None:
             body["crop"] = crop
     return body
 
 
-def _crop(image: np.ndarray, box: tuple[float, float, float, float]) -> str | None:
-    height, width = image.shape[:2]
+def _crop(view: View, box: tuple[float, float, float, float]) -> str | None:
+    """Return what a box shows, as a person sees it."""
+    height, width = view.image.shape[:2]
     x0, y0 = max(int(box[0]), 0), max(int(box[1]), 0)
     x1, y1 = min(int(np.ceil(box[2])), width), min(int(np.ceil(box[3])), height)
     if x1 - x0 < 2 or y1 - y0 < 2:
         return None
-    part = image[y0:y1, x0:x1]
+    part = view.turn.seen(view.image[y0:y1, x0:x1])
     scale = min(1.0, MAX_CROP_PX / max(part.shape[:2]))
     if scale < 1.0:
         part = cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

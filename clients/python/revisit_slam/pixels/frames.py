@@ -3,18 +3,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from ..errors import RevisitError
+from ..left_out import LeftOut, Unreadable
 from .camera import Calibration, Camera
+from .decoding import HEIC_NEEDS, decoded, pillow_heif, read_bytes
 from .ids import ids_of
+from .turn import UPRIGHT, Turn
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
+HEIC_SUFFIXES = {".heic", ".heif", ".hif"}
+# Pictures of cameras and of other programs that are not read here.
+OTHER_SUFFIXES = {*".gif .jp2 .j2k .jxl .avif .psd .svg .dng .raw .cr2 .cr3 .nef .arw .orf .rw2 .raf .pef .srw .x3f".split()}
+# Folders of systems, which hold pictures that nobody took; hidden ones begin with a dot.
+SYSTEMS_FOLDERS = {"__MACOSX", "@eaDir", "$RECYCLE.BIN"}
+
+
+class View(NamedTuple):
+    """A photograph, undistorted (BGR): all that decides what is read in it, its pixels, and how a person sees them."""
+
+    key: bytes
+    image: np.ndarray
+    turn: Turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +51,13 @@ class DepthImage:
 
     path: Path
     metres_per_unit: float
+
+    def units(self) -> np.ndarray:
+        """Return what its pixels say."""
+        image = decoded(read_bytes(self.path, self.path), cv2.IMREAD_UNCHANGED, self.path)
+        if image.ndim != 2 or image.dtype != np.uint16:
+            raise Unreadable(self.path, "not a depth image of 16 bits")
+        return image
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,50 +84,73 @@ class Frame:
         """What a person knows the picture by."""
         return self.origin or str(self.path)
 
+    def view(self) -> View:
+        """Return the photograph in the pixels that its camera is of.
+
+        Raises:
+            Unreadable: It cannot be read.
+        """
+        data, known = read_bytes(self.path, self.shown), self.calibration
+        image, turn = decoded(data, cv2.IMREAD_COLOR, self.shown), UPRIGHT
+        if known is None:
+            return View(data, image, turn)
+        if known.size is not None:
+            stored = decoded(data, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION, self.shown)
+            # A model is mostly of the pixels as they are stored, however the camera was held.
+            if stored.shape[1::-1] == known.size:
+                image, turn = stored, Turn.between(stored, image)
+        done = (repr(known) if known.distorts else "") + (repr(turn) if turn != UPRIGHT else "")
+        return View(data + done.encode(), known.undistorted(image), turn)
+
     def picture(self) -> tuple[bytes, np.ndarray]:
-        """Return what identifies it (the bytes of its file, and how it was undistorted), and the undistorted picture (BGR)."""
-        data = _bytes(self.path)
-        flags = cv2.IMREAD_COLOR
-        if self.calibration is not None and self.calibration.size is not None:
-            # The calibration is of the pixels as they are stored, however the camera was held.
-            flags |= cv2.IMREAD_IGNORE_ORIENTATION
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
-        if image is None:
-            raise RevisitError(f"{self.shown}: not a picture that OpenCV reads")
-        if self.calibration is None or not self.calibration.distorts:
-            return data, image
-        return data + repr(self.calibration).encode(), self.calibration.undistorted(image)
+        """Return a view's key and its pixels."""
+        return self.view()[:2]
+
+    def camera(self, image: np.ndarray, focal_px: float | None) -> Camera:
+        """Return the camera of the undistorted picture."""
+        return Camera.of(image, focal_px) if self.calibration is None else self.calibration.camera(image, self.shown)
 
     def depths_m(self, camera: Camera) -> np.ndarray | None:
         """Return depths along the optical axis, pixel for pixel of the undistorted picture; 0 where none was measured."""
         if self.depth is None:
             return None
-        data = _bytes(self.depth.path)
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-        if image is None or image.ndim != 2 or image.dtype != np.uint16:
-            raise RevisitError(f"{self.depth.path}: not a depth image of 16 bits that OpenCV reads")
+        image = self.depth.units()
         if image.shape != (camera.height, camera.width):
-            raise RevisitError(f"{self.depth.path}: not of the size of {self.path.name}, {camera.width} x {camera.height}")
+            sizes = f"{image.shape[1]} x {image.shape[0]}, but its picture is {camera.width} x {camera.height}"
+            raise Unreadable(self.depth.path, f"a depth image of {sizes}")
         if self.calibration is not None:
             # A depth between that of two surfaces would be that of neither.
             image = self.calibration.undistorted(image, cv2.INTER_NEAREST)
         return image.astype(np.float64) * self.depth.metres_per_unit
 
 
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise RevisitError(f"{path}: cannot be read: {error.strerror}") from error
+def readable(frames: Iterable[Frame], focal_px: float | None, left_out: LeftOut) -> Iterator[tuple[int, Frame, View, Camera]]:
+    """Yield the photographs that can be read, each with its number among all and its camera."""
+    for index, frame in enumerate(frames):
+        try:
+            view = frame.view()
+            camera = frame.camera(view.image, focal_px)
+        except Unreadable as error:
+            left_out.add(error.name, error.why)
+            continue
+        yield index, frame, view, camera
 
 
-def list_frames(folder: Path) -> list[Frame]:
-    """Return the photographs below `folder`, by folder, video and number."""
+def list_frames(folder: Path, left_out: LeftOut | None = None) -> list[Frame]:
+    """Return the photographs below `folder`, by folder, video and number; hidden files are none."""
     if not folder.is_dir():
         raise RevisitError(f"{folder}: no such folder")
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+    paths, left_out, heic = [], left_out or LeftOut(), HEIC_SUFFIXES if pillow_heif() is not None else set()
+    for path in sorted(folder.rglob("*")):
+        suffix, parts = path.suffix.lower(), path.relative_to(folder).parts
+        if SYSTEMS_FOLDERS.intersection(parts) or any(part.startswith(".") for part in parts) or not path.is_file():
+            continue
+        if suffix in SUFFIXES | heic:
+            paths.append(path)
+        elif suffix in HEIC_SUFFIXES | OTHER_SUFFIXES:
+            left_out.add(path, HEIC_NEEDS if suffix in HEIC_SUFFIXES else f"{suffix} is not read here: save it as JPEG or PNG")
     if not paths:
-        raise RevisitError(f"{folder}: no photographs in it ({', '.join(sorted(SUFFIXES))})")
+        raise RevisitError("; ".join((f"{folder}: no photographs in it ({', '.join(sorted(SUFFIXES))})", *left_out.told())))
     return frames_of(paths, folder)
 
 

@@ -7,19 +7,20 @@ import queue
 from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ..left_out import LeftOut
 from .bodies import Bodies
-from .camera import Camera
 from .features import features_of
-from .frames import Frame
+from .frames import Frame, View, readable
 from .options import Options
 from .reader import Line, Reader
 from .signs import Neighbour, Sign, judge
 from .tracking import LOOK_BACK, Tracked, Tracker
+from .turn import moved
 
 # A photograph that shows at least this share of the last keyframe's view tells nothing new.
 MAX_OVERLAP_SHARE = 0.8
@@ -40,36 +41,40 @@ class Keyframe:
 class _Chosen:
     index: int
     tracked: Tracked
-    data: bytes
-    image: np.ndarray
+    view: View
 
 
-def keyframes(frames: Iterable[Frame], options: Options) -> Iterator[Keyframe]:
-    """Yield the keyframes of photographs in order; reading runs ahead in `options.threads` threads."""
-    bodies = Bodies(options)
-    recent: deque[tuple[str, list[Line], list[Sign]]] = deque(maxlen=LOOK_BACK)
-    for chosen, lines in _read(_choose(frames, options), options):
-        tracked = chosen.tracked
-        earlier = {id: (before, made) for id, before, made in recent}
-        neighbours = [Neighbour(*earlier[id], found) for id, found in tracked.overlaps if id in earlier]
-        signs = judge(lines, tracked.camera, neighbours)[:MAX_DETECTIONS]
-        recent.append((tracked.frame.id, lines, signs))
-        yield Keyframe(tracked.frame, bodies.of(chosen.index, tracked, chosen.image, signs), signs)
+def keyframes(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> Iterator[Keyframe]:
+    """Yield the keyframes of photographs in order; reading runs ahead in `options.threads` threads.
+
+    Lines and signs are judged as a person sees them; what leaves has the pixels of the camera.
+    """
+    bodies = Bodies(options, left_out)
+    recent: deque[tuple[str, list[Line], list[Sign], np.ndarray]] = deque(maxlen=LOOK_BACK)
+    for chosen, lines in _read(_choose(frames, options, left_out), options):
+        tracked, turn = chosen.tracked, chosen.view.turn
+        matrix = turn.stored_from_seen(tracked.camera.width, tracked.camera.height)
+        earlier = {id: (before, made, other) for id, before, made, other in recent}
+        neighbours = []
+        for before, made, other, found in ((*earlier[id], found) for id, found in tracked.overlaps if id in earlier):
+            neighbours.append(Neighbour(before, made, found.between(np.linalg.inv(other), matrix)))
+        width, height = (tracked.camera.height, tracked.camera.width)[:: 1 if turn.transposed else -1]
+        signs = judge(lines, replace(tracked.camera, width=width, height=height), neighbours)[:MAX_DETECTIONS]
+        recent.append((tracked.frame.id, lines, signs, matrix))
+        signs = [replace(sign, box=moved(sign.box, matrix)) for sign in signs]
+        yield Keyframe(tracked.frame, bodies.of(chosen.index, tracked, chosen.view, signs), signs)
 
 
-def _choose(frames: Iterable[Frame], options: Options) -> Iterator[_Chosen]:
+def _choose(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> Iterator[_Chosen]:
     tracker = Tracker()
-    for index, frame in enumerate(frames):
-        data, image = frame.picture()
-        known = frame.calibration
-        camera = Camera.of(image, options.focal_px) if known is None else known.camera(image, frame.shown)
-        tracked = tracker.look(frame, features_of(image), camera)
+    for index, frame, view, camera in readable(frames, options.focal_px, left_out):
+        tracked = tracker.look(frame, features_of(view.image), camera)
         if not options.every_frame and any(
             found.share >= MAX_OVERLAP_SHARE and found.inliers >= MAX_OVERLAP_INLIERS for _, found in tracked.overlaps
         ):
             continue
         tracker.keep(tracked)
-        yield _Chosen(index, tracked, data, image)
+        yield _Chosen(index, tracked, view)
 
 
 def _read(chosen: Iterator[_Chosen], options: Options) -> Iterator[tuple[_Chosen, list[Line]]]:
@@ -81,7 +86,7 @@ def _read(chosen: Iterator[_Chosen], options: Options) -> Iterator[tuple[_Chosen
     def read(one: _Chosen) -> list[Line]:
         reader = readers.get()
         try:
-            return reader.read(one.data, one.image)
+            return reader.read(one.view.key, one.view.turn.seen(one.view.image))
         finally:
             readers.put(reader)
 

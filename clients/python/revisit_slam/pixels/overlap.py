@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -24,6 +24,10 @@ class Overlap:
     share: float
     older_from_newer: np.ndarray
     homography: np.ndarray | None
+
+    def between(self, older: np.ndarray, newer: np.ndarray) -> Overlap:
+        """Return it between other pixels: `older` leads to those of the older picture, `newer` from those of the newer one."""
+        return self if self.homography is None else replace(self, homography=older @ self.homography @ newer)
 
 
 NONE = Overlap(0, 0.0, np.eye(3), None)

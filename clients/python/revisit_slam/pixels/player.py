@@ -119,7 +119,7 @@ def play(
     if client is not None:
         client.put_map(map_id, body)
     done = {frame.id: number for number, frame in enumerate(source.frames, 1)}
-    for keyframe in keyframes(source.frames, options):
+    for keyframe in keyframes(source.frames, options, source.left_out):
         id = keyframe.frame.id
         if recording is not None:
             recording.keyframe(id, keyframe.body)

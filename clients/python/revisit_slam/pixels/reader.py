@@ -35,7 +35,7 @@ class Line:
 
 
 class Reader:
-    """A text reader with an optional cache, keyed by the photograph's digest and the reader's version."""
+    """A text reader with an optional cache, keyed by what decides a reading: the photograph's view and the reader's version."""
 
     def __init__(self, cache: Path | None = None, threads: int = 1) -> None:
         self._cache = cache
@@ -50,7 +50,7 @@ class Reader:
         return f"rapidocr-{metadata.version('rapidocr')}-{STEPS}"
 
     def read(self, data: bytes, image: np.ndarray) -> list[Line]:
-        """Return the lines of text in `image` (BGR); `data` are the bytes of its file."""
+        """Return the lines of text in `image` (BGR), as a person sees it; `data` are the bytes of its file, and what was done to them."""
         kept = self._kept(data)
         if kept is not None and kept.exists():
             try:

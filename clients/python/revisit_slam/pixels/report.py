@@ -53,8 +53,9 @@ def report(run: Run, truth: Truth | None, source: Source) -> str:
         f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
         f"<title>Loops in {escape(title)}</title><style>{STYLE}</style>",
         f"<h1>Loops in {escape(title)}</h1>",
-        f"<p>Found by Revisit: poses are {escape(source.poses)}, and the distances of signs are {escape(source.distances)}. <span class=agree>Green</span> boxes agree, <span class=against>red</span> ones "
-        "contradict, grey ones decide nothing.</p>",
+        f"<p>{escape(source.summary())}</p>",
+        "<p>Found by Revisit. <span class=agree>Green</span> boxes agree, <span class=against>red</span> ones contradict, "
+        "grey ones decide nothing.</p>",
         _figures(run, truth),
         f"<h2>Same place ({len(loops)})</h2>",
     ]

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ...left_out import LeftOut
 from ..camera import Calibration
 from ..frames import Frame, Landmarks, frames_of
 from ...needed import needed
-from .source import Source
+from .source import Source, there
 
 FILES = ("cameras", "images", "points3D")
 # COLMAP counts pixels from the corner of the first one, OpenCV from its middle.
@@ -37,20 +38,22 @@ def open_colmap(model: Path, images: Path | None, metres_per_unit: float | None)
     absolute = [image.name for image in reconstruction.images.values() if Path(image.name).is_absolute()]
     if absolute:
         raise RevisitError(f"{model}: image {absolute[0]} is named by where it lay; names within the images' folder are read")
+    left_out = LeftOut()
     found = {folder / image.name: image for image in reconstruction.images.values() if image.has_pose}
-    there = [path for path in found if path.is_file()]
-    if not there:
+    for image in reconstruction.images.values():
+        if not image.has_pose:
+            left_out.add(image.name, "the model has no pose of it")
+    pictures = there(frames_of(found, folder), left_out)
+    if not pictures:
         raise RevisitError(f"{folder}: none of the model's {len(found)} images is in it; --images names their folder")
     scale = metres_per_unit or 1.0
-    frames = [_frame(frame, found[frame.path], reconstruction, model.resolve().name, scale) for frame in frames_of(there, folder)]
-    left_out = len(found) - len(there)
     return Source(
-        frames,
+        [_frame(frame, found[frame.path], reconstruction, model.resolve().name, scale) for frame in pictures],
         str(model),
         "the model's",
         "those of the model's points" + ("" if metres_per_unit else ", in a unit that nobody knows"),
         metric=metres_per_unit is not None,
-        notes=(f"{left_out} of {len(found)} images are not in {folder} and are left out",) if left_out else (),
+        left_out=left_out,
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ...files import numbered_rows_of, text_of
+from ...left_out import LeftOut
 from ..camera import Calibration
 from ..frames import Frame
 from ..ids import ids_of
 from ..trajectory import Trajectory
 from ...needed import needed
-from .source import Source, every
+from .source import Source, every, there
 
 # The first of these that is there tells where the body was.
 GROUND_TRUTHS = ("state_groundtruth_estimate0", "mocap0", "vicon0")
@@ -26,8 +27,10 @@ def open_euroc(folder: Path, trajectory: Trajectory | None, every_s: float) -> S
     mav = folder / "mav0" if (folder / "mav0").is_dir() else folder
     camera = mav / "cam0"
     calibration, body_from_camera = _sensor(camera / "sensor.yaml")
-    frames = every([replace(frame, calibration=calibration) for frame in _pictures(camera, folder)], every_s)
-    source = Source(frames, str(folder))
+    left_out = LeftOut()
+    pictures = there(_pictures(camera, folder, left_out), left_out)
+    frames = every([replace(frame, calibration=calibration) for frame in pictures], every_s)
+    source = Source(frames, str(folder), left_out=left_out)
     if trajectory is not None:
         return source.along(trajectory)
     for name in GROUND_TRUTHS:
@@ -36,14 +39,14 @@ def open_euroc(folder: Path, trajectory: Trajectory | None, every_s: float) -> S
     return source
 
 
-def _pictures(camera: Path, folder: Path) -> list[Frame]:
-    rows = _rows(camera / "data.csv")
+def _pictures(camera: Path, folder: Path, left_out: LeftOut) -> list[Frame]:
     frames = []
-    for number, row in enumerate(rows, 1):
+    for number, row in numbered_rows_of(camera / "data.csv", "an EuRoC list of `nanoseconds,file`"):
         try:
-            stamp_ns, path = int(row[0]), camera / "data" / row[1].strip()
-        except (ValueError, IndexError) as error:
-            raise RevisitError(f"{camera / 'data.csv'}: no row of `nanoseconds,file`: {','.join(row)}") from error
+            stamp_ns, path = int(row[0]), camera / "data" / row[1]
+        except (ValueError, IndexError):
+            left_out.add(f"{camera / 'data.csv'}, line {number}", "no row of `nanoseconds,file`")
+            continue
         frames.append(Frame("", path, folder.resolve().name, number, stamp_ns))
     ids = ids_of((frame.path for frame in frames), camera / "data")
     frames = [replace(frame, id=ids[frame.path]) for frame in frames]
@@ -55,27 +58,17 @@ def _ground_truth(sensor: Path, body_from_camera: np.ndarray) -> Trajectory:
     sensor_from_body = np.eye(4)
     if (sensor / "sensor.yaml").exists():
         sensor_from_body = np.linalg.inv(_transform(_yaml(sensor / "sensor.yaml"), sensor / "sensor.yaml"))
-    poses = []
-    for row in _rows(sensor / "data.csv"):
+    poses, left_out = [], LeftOut()
+    for number, row in numbered_rows_of(sensor / "data.csv", "an EuRoC ground truth"):
         try:
             stamp_ns, values = int(row[0]), np.array([float(value) for value in row[1:8]])
             if len(values) != 7 or not np.isfinite(values).all() or np.linalg.norm(values[3:]) < 1e-6:
                 raise ValueError
-        except (ValueError, IndexError) as error:
-            raise RevisitError(f"{sensor / 'data.csv'}: no pose of a time and seven numbers: {','.join(row[:8])}") from error
+        except (ValueError, IndexError):
+            left_out.add(f"line {number}", "no pose of a time and seven numbers")
+            continue
         poses.append((stamp_ns, values[:3], np.roll(values[3:], -1)))
-    return Trajectory(str(sensor / "data.csv"), poses, sensor_from_body @ body_from_camera)
-
-
-def _rows(path: Path) -> list[list[str]]:
-    try:
-        with path.open(newline="") as file:
-            rows = [row for row in csv.reader(file) if row and not row[0].lstrip().startswith("#")]
-    except (OSError, UnicodeDecodeError) as error:
-        raise RevisitError(f"{path}: cannot be read ({error.__class__.__name__}): an EuRoC sequence has one") from error
-    if not rows:
-        raise RevisitError(f"{path}: nothing in it")
-    return rows
+    return Trajectory(str(sensor / "data.csv"), poses, sensor_from_body @ body_from_camera, left_out=left_out)
 
 
 def _sensor(path: Path) -> tuple[Calibration, np.ndarray]:
@@ -110,11 +103,8 @@ def _transform(sensor: dict[str, Any], path: Path) -> np.ndarray:
 def _yaml(path: Path) -> dict[str, Any]:
     yaml = needed("yaml", "pyyaml")
     try:
-        text = path.read_text()
         # OpenCV writes a first line that other readers do not take.
-        read = yaml.safe_load("\n".join(line for line in text.splitlines() if not line.startswith("%")))
-    except (OSError, UnicodeDecodeError) as error:
-        raise RevisitError(f"{path}: cannot be read ({error.__class__.__name__})") from error
+        read = yaml.safe_load("\n".join(line for line in text_of(path, "YAML").splitlines() if not line.startswith("%")))
     except yaml.YAMLError as error:
         raise RevisitError(f"{path}: not YAML") from error
     if not isinstance(read, dict):

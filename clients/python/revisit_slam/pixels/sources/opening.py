@@ -6,8 +6,9 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from ...arguments import terms
-from ..camera import Calibration
+from ...arguments import EVERY_S, terms
+from ..camera import FOCAL_SHARE, Calibration
+from ..frames import Frame
 from ..trajectory import Trajectory, read_tum
 from .bag import Topics, open_bag
 from .colmap import open_colmap
@@ -23,15 +24,28 @@ PICKING = ("video", "euroc", "tum", "bag")
 
 
 def open_source(chosen: argparse.Namespace, work: Path) -> Source:
-    """Open what was named; pictures out of films and bags are kept in `work`. Of pictures of one id the first counts."""
+    """Open what was named; pictures out of films and bags are kept in `work`. Of a picture that is listed twice the first counts.
+
+    Raises:
+        RevisitError: There is nothing to play.
+    """
     source = _opened(chosen, work)
-    frames = list({frame.id: frame for frame in reversed(source.frames)}.values())[::-1]
-    notes, again = source.notes, len(source.frames) - len(frames)
-    if again:
-        notes += (f"{again} photographs are listed twice; the first of each counts",)
+    first: dict[str, Frame] = {}
+    for frame in source.frames:
+        if first.setdefault(frame.id, frame) is not frame:
+            source.left_out.add(f"{frame.shown}, line {frame.number}", "listed twice")
+    frames = list(first.values())
+    if not frames:
+        raise source.nothing()
     if chosen.command in PICKING:
         frames = [replace(frame, number=number) for number, frame in enumerate(frames, 1)]
-    return replace(source, frames=frames, notes=notes)
+        if chosen.every_s == EVERY_S:
+            source = source.assuming(f"a picture every {EVERY_S:g} s is enough (--every-s)")
+    if frames[0].stamp_ns is None:
+        source = source.assuming("pictures are a second apart, in the order of their names")
+    if frames[0].calibration is None and not getattr(chosen, "focal_px", None):
+        source = source.assuming(f"a focal length of {FOCAL_SHARE:g} of the longer side (--calibration)")
+    return replace(source, frames=frames)
 
 
 def _opened(chosen: argparse.Namespace, work: Path) -> Source:
@@ -48,6 +62,6 @@ def _opened(chosen: argparse.Namespace, work: Path) -> Source:
     if chosen.command == "video":
         return open_video(path, calibration, trajectory, chosen.every_s, work)
     if chosen.command == "tum":
-        return open_tum(path, calibration, trajectory, chosen.every_s)
+        return open_tum(path, calibration, trajectory, chosen.every_s, chosen.depth_units_per_metre)
     topics = Topics(chosen.image_topic, chosen.camera_info_topic, chosen.odometry_topic)
     return open_bag(path, topics, calibration, trajectory, chosen.every_s, work)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ...errors import RevisitError
+from ...left_out import LeftOut
 from ..frames import Frame
 from ..trajectory import MAX_GAP_NS, Trajectory
 
@@ -22,21 +23,44 @@ class Source:
     distances: str = "assumed"
     """Where the distances of signs come from."""
     metric: bool = True
-    notes: tuple[str, ...] = ()
-    """What a person should know of what was left out."""
+    assumed: tuple[str, ...] = ()
+    """What nobody told, and is taken for granted."""
+    left_out: LeftOut = field(default_factory=LeftOut)
+    """What is not played; playing adds to it."""
+
+    def assuming(self, *told: str) -> Source:
+        """Return it with more that is assumed."""
+        return replace(self, assumed=(*self.assumed, *told))
+
+    def told(self) -> list[str]:
+        """Return what is read, assumed and left out."""
+        count = sum(frame.shown not in self.left_out for frame in self.frames)
+        read = f"reads {count} pictures; poses: {self.poses}; distances of signs: {self.distances}"
+        return [read, *(f"assumed: {one}" for one in self.assumed), *self.left_out.told()]
+
+    def summary(self) -> str:
+        """Return it in one line."""
+        return f"{self.title}: {'; '.join(self.told())}"
+
+    def nothing(self) -> RevisitError:
+        """Return the error that nothing of it can be played."""
+        return RevisitError("; ".join((f"{self.title}: nothing to play", *self.left_out.told())))
 
     def along(self, trajectory: Trajectory, told: str | None = None) -> Source:
-        """Return it with the poses of a trajectory; frames that have none are left out, with a note.
+        """Return it with the poses of a trajectory; frames that have none are left out.
 
         Raises:
             RevisitError: No frame has a pose.
         """
         kept = []
+        self.left_out.add_all(trajectory.left_out, trajectory.name)
         for frame in self.frames:
             pose = trajectory.at(frame.stamp_ns) if frame.stamp_ns is not None else None
             if pose is not None:
                 kept.append(replace(frame, session_from_camera=pose))
-        if not kept:
+            else:
+                self.left_out.add(frame.shown, "no pose near its time")
+        if self.frames and not kept:
             stamps = [frame.stamp_ns / 1e9 for frame in self.frames if frame.stamp_ns is not None]
             first, last = trajectory.span_s
             raise RevisitError(
@@ -44,10 +68,16 @@ class Source:
                 f"photographs from {min(stamps):.3f} to {max(stamps):.3f} s; between poses more than "
                 f"{MAX_GAP_NS / 1e9:g} s apart none is made up"
             )
-        notes, left_out = self.notes, len(self.frames) - len(kept)
-        if left_out:
-            notes += (f"{left_out} of {len(self.frames)} photographs have no pose near their time and are left out",)
-        return replace(self, frames=kept, poses=told or f"those of {trajectory.name}", notes=notes)
+        return replace(self, frames=kept, poses=told or f"those of {trajectory.name}").assuming(*trajectory.assumed)
+
+
+def there(frames: list[Frame], left_out: LeftOut) -> list[Frame]:
+    """Return the frames whose files are there."""
+    found = {frame.path for frame in frames if frame.path.is_file()}
+    for frame in frames:
+        if frame.path not in found:
+            left_out.add(frame.shown, "listed, but no such file")
+    return [frame for frame in frames if frame.path in found]
 
 
 def every(frames: list[Frame], every_s: float) -> list[Frame]:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from ...errors import RevisitError
+from ...files import not_a
 from ..camera import Calibration
 from ..frames import Frame
 from ..ids import plain_id
@@ -42,7 +43,7 @@ def open_video(
                 unread += 1
                 continue
             name = plain_id(f"{file.stem}-{number:06}")
-            path = save(image, work / f"{name}.jpg")
+            path = save(image, work / f"{number:06}.jpg")
             origin = f"{file}, picture {number}"
             frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
         announced = max(int(film.get(cv2.CAP_PROP_FRAME_COUNT)), number + 1)
@@ -50,10 +51,11 @@ def open_video(
     finally:
         film.release()
     if not frames:
-        raise RevisitError(f"{file}: not a film that OpenCV reads")
+        raise not_a("a film that OpenCV reads", file)
+    source = Source(frames, str(file))
     # Some films announce one picture more than they have.
-    notes = (f"{file}: {unread} of the {announced} pictures that it announces cannot be read",) if unread > 1 else ()
-    source = Source(frames, str(file), notes=notes)
+    if unread > 1:
+        source.left_out.add(file, f"pictures of the {announced} that it announces cannot be read", unread)
     return source if trajectory is None else source.along(trajectory)
 
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ....errors import RevisitError
+from ....imports.damage import told_of
 from ...camera import Calibration
 from ...trajectory import Trajectory
 from ....needed import needed
 from ..source import ROTATIONS, Source
-from .calibration import CAMERA_INFO, calibration_of
+from .calibration import calibration_of
 from .messages import Recording
 from .odometry import odometry_of
 from .pictures import frames_of, picture_topic
+
+SUFFIXES = (".mcap", ".db3", ".bag")
 
 
 @dataclass(frozen=True)
@@ -33,14 +37,21 @@ def open_bag(
         raise RevisitError(f"{file}: no such file")
     highlevel, typesys = needed("rosbags.highlevel", "rosbags"), needed("rosbags.typesys", "rosbags")
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-    try:
-        # Recordings carry their messages' definitions, or have the standard ones.
-        with highlevel.AnyReader([file], default_typestore=store) as reader:
-            return _source(Recording(file, reader), topics, calibration, trajectory, every_s, work)
-    except RevisitError:
-        raise
-    except Exception as error:  # It raises types of its own, and whatever a damaged file leads to.
-        raise RevisitError(f"{file}: rosbags cannot read it: {(str(error) or type(error).__name__).splitlines()[0]}") from error
+    # Recordings carry their messages' definitions, or have the standard ones.
+    with told_of(file, "rosbags"), highlevel.AnyReader(_files(file), default_typestore=store) as reader:
+        return _source(Recording(file, reader), topics, calibration, trajectory, every_s, work)
+
+
+def _files(path: Path) -> list[Path]:
+    """Return what to open: a file, a folder that describes itself, or the pieces of one recording in a folder that does not."""
+    if path.is_file() or (path / "metadata.yaml").exists():
+        return [path]
+    found = sorted(file for file in path.iterdir() if file.suffix in SUFFIXES and not file.name.startswith("."))
+    if not found:
+        raise RevisitError(f"{path}: no recording in it (metadata.yaml, {', '.join(SUFFIXES)})")
+    if len({re.sub(r"_\d+$", "", file.stem) for file in found}) > 1:
+        raise RevisitError(f"{path}: several recordings and no metadata.yaml; name one: {', '.join(file.name for file in found)}")
+    return found
 
 
 def _source(
@@ -53,14 +64,13 @@ def _source(
 ) -> Source:
     topic, camera_frame = picture_topic(recording, topics.image)
     calibration = calibration or calibration_of(recording, topic, camera_frame, topics.camera_info)
-    frames = frames_of(recording, topic, calibration, every_s, work)
-    notes: tuple[str, ...] = ()
-    if calibration is None:
-        notes = (f"no {CAMERA_INFO} for {topic}: a common focal length is assumed",)
-    source = Source(frames, str(recording.file), notes=notes)
+    source = Source([], str(recording.file))
+    source = replace(source, frames=frames_of(recording, topic, calibration, every_s, work, source.left_out))
+    for name in sorted(recording.broken):
+        source.left_out.add(name, "a message that rosbags cannot read")
     if trajectory is not None:
         return source.along(trajectory)
     trajectory, why = odometry_of(recording, topics.odometry, camera_frame)
     if trajectory is None:
-        return replace(source, notes=(*notes, f"{why}: poses are {ROTATIONS}"))
+        return replace(source, poses=f"{ROTATIONS} ({why})")
     return source.along(trajectory, f"odometry on {why}")

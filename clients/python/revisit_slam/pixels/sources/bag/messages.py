@@ -17,16 +17,21 @@ class Recording:
 
     def __init__(self, file: Path, reader: Any) -> None:
         self.file, self._reader = file, reader
+        self.broken: set[str] = set()
 
     def topics(self, *types: str) -> list[str]:
         """Return the topics of messages of these types."""
         return sorted({c.topic for c in self._reader.connections if c.msgtype in types})
 
     def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
-        """Yield the messages of a topic with their times in nanoseconds, in order of recording."""
+        """Yield the messages of a topic with their times in nanoseconds, in order of recording; broken ones are noted."""
         connections = [connection for connection in self._reader.connections if connection.topic == topic]
         for connection, logged_ns, data in self._reader.messages(connections):
-            message = self._reader.deserialize(data, connection.msgtype)
+            try:
+                message = self._reader.deserialize(data, connection.msgtype)
+            except Exception:  # noqa: BLE001 - it raises whatever a damaged message leads to
+                self.broken.add(f"{topic} at {logged_ns} ns")
+                continue
             header = getattr(message, "header", None)
             stamp_ns = header.stamp.sec * SECOND_NS + header.stamp.nanosec if header is not None else 0
             # A stamp that nobody set: the time of its recording.

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from ....errors import RevisitError
+from ....left_out import LeftOut, Unreadable
 from ...camera import Calibration
 from ...frames import Frame
 from ...ids import plain_id
@@ -18,7 +19,7 @@ from .messages import Recording
 
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
-# Each encoding's bytes a pixel, and its conversion to BGR.
+# Each encoding's numbers a pixel, and its conversion to BGR. Names of 16 bits instead of 8 are read as well.
 ENCODINGS = {
     "bgr8": (3, None),
     "8UC3": (3, None),
@@ -27,6 +28,14 @@ ENCODINGS = {
     "rgba8": (4, cv2.COLOR_RGBA2BGR),
     "mono8": (1, cv2.COLOR_GRAY2BGR),
     "8UC1": (1, cv2.COLOR_GRAY2BGR),
+    "bayer_rggb8": (1, cv2.COLOR_BayerRGGB2BGR),
+    "bayer_bggr8": (1, cv2.COLOR_BayerBGGR2BGR),
+    "bayer_gbrg8": (1, cv2.COLOR_BayerGBRG2BGR),
+    "bayer_grbg8": (1, cv2.COLOR_BayerGRBG2BGR),
+    "yuv422": (2, cv2.COLOR_YUV2BGR_UYVY),
+    "uyvy": (2, cv2.COLOR_YUV2BGR_UYVY),
+    "yuv422_yuy2": (2, cv2.COLOR_YUV2BGR_YUY2),
+    "yuyv": (2, cv2.COLOR_YUV2BGR_YUY2),
 }
 # Names of topics whose pictures are depths.
 DEPTH_WORDS = ("depth", "disparity")
@@ -43,16 +52,22 @@ def picture_topic(recording: Recording, named: str | None) -> tuple[str, str]:
     return topic, first.header.frame_id
 
 
-def frames_of(recording: Recording, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> list[Frame]:
+def frames_of(
+    recording: Recording, topic: str, calibration: Calibration | None, every_s: float, work: Path, left_out: LeftOut
+) -> list[Frame]:
     """Return the pictures in order of time; they are kept in `work`."""
     file = recording.file
     frames: list[Frame] = []
     for number, (stamp_ns, message) in enumerate(recording.messages(topic)):
         if too_near(frames, stamp_ns, every_s):
             continue
-        name = plain_id(f"{file.stem}-{number:06}")
         origin = f"{file}, picture {number} of {topic}"
-        path = _save(message, work / f"{name}.jpg", origin)
+        try:
+            path = _save(message, work / f"{number:06}.jpg", origin)
+        except Unreadable as error:
+            left_out.add(error.name, error.why)
+            continue
+        name = plain_id(f"{file.stem}-{number:06}")
         frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
     return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
 
@@ -62,9 +77,18 @@ def _save(message: Any, path: Path, origin: str) -> Path:
         # As it was compressed; readers look at the bytes, not at the name.
         path.write_bytes(bytes(message.data))
         return path
-    if message.encoding not in ENCODINGS:
-        raise RevisitError(f"{origin}: it is {message.encoding}; known: {', '.join(ENCODINGS)}")
-    channels, conversion = ENCODINGS[message.encoding]
-    rows = np.frombuffer(bytes(message.data), np.uint8).reshape(message.height, message.step)
-    image = rows[:, : message.width * channels].reshape(message.height, message.width, channels)
-    return save(image if conversion is None else cv2.cvtColor(image, conversion), path)
+    wide = message.encoding.endswith("16")
+    encoding = message.encoding[:-2] + "8" if wide else message.encoding
+    if encoding not in ENCODINGS:
+        raise Unreadable(origin, f"it is {message.encoding}; known: {', '.join(ENCODINGS)}, and those of 16 bits")
+    channels, conversion = ENCODINGS[encoding]
+    number = np.dtype("u1" if not wide else ">u2" if message.is_bigendian else "<u2")
+    try:
+        rows = np.frombuffer(bytes(message.data), number).reshape(message.height, message.step // number.itemsize)
+        image = rows[:, : message.width * channels].reshape(message.height, message.width, channels)
+        image = (image >> 8).astype(np.uint8) if wide else image
+        image = image if conversion is None else cv2.cvtColor(image, conversion)
+    except (ValueError, cv2.error) as error:
+        size = f"{message.width} x {message.height} in rows of {message.step} bytes"
+        raise Unreadable(origin, f"{len(message.data)} bytes are no picture of {size}") from error
+    return save(image, path)
