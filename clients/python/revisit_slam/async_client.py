@@ -38,35 +38,17 @@ class AsyncClient(AsyncOperations):
         self._retries = retries or Retries()
         self._compress = compress
 
-    async def put_keyframes(
-        self, map: str, items: Iterable[bulk.Item] | AsyncIterable[bulk.Item]
-    ) -> AsyncIterator[BulkLine]:
+    async def put_keyframes(self, map: str, items: Iterable[bulk.Item] | AsyncIterable[bulk.Item]) -> AsyncIterator[BulkLine]:
         """Store keyframes from any iterable, plain or asynchronous; yield the outcome of each, in order."""
-        if isinstance(items, AsyncIterable):
-            part: list[bulk.Item] = []
-            before = 0
-            async for item in items:
-                part.append(item)
-                if len(part) >= bulk.MAX_BATCH_ITEMS:
-                    async for line in self._put_batches(map, part, before):
-                        yield line
-                    before, part = before + len(part), []
-            async for line in self._put_batches(map, part, before):
-                yield line
-            return
-        async for line in self._put_batches(map, items, 0):
-            yield line
+        before = 0
+        async for part in _parts(items):
+            for body in bulk.batches(part):
+                lines = bulk.lines_of(await self._call(bulk.call_of(map, body)), before)
+                for line in lines:
+                    yield line
+                before += len(lines)
 
-    async def _put_batches(self, map: str, items: Iterable[bulk.Item], before: int) -> AsyncIterator[BulkLine]:
-        for body in bulk.batches(items):
-            lines = bulk.lines_of(await self._call(bulk.call_of(map, body)), before)
-            for line in lines:
-                yield line
-            before += len(lines)
-
-    async def listen(
-        self, map: str, *, since: int = 0, stop_when_idle_s: float | None = None
-    ) -> AsyncIterator[Event]:
+    async def listen(self, map: str, *, since: int = 0, stop_when_idle_s: float | None = None) -> AsyncIterator[Event]:
         """Yield the events of a map after number `since`, for ever, and resume where the stream breaks.
 
         With `stop_when_idle_s` the iterator ends once nothing happened for that long.
@@ -125,9 +107,7 @@ class AsyncClient(AsyncOperations):
     async def __aenter__(self) -> AsyncClient:
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         await self.close()
 
     async def _call(self, call: Call) -> Any:
@@ -135,12 +115,10 @@ class AsyncClient(AsyncOperations):
         begun, attempt = time.monotonic(), 0
         while True:
             try:
-                response = await self._http.request(
-                    call.method, call.path, params=call.params(), headers=headers, content=content
-                )
-                if response.status_code < 400:
-                    return call.decode(response.content)
-                failure: Exception = problem_of(response)
+                answer = await self._http.request(call.method, call.path, params=call.params(), headers=headers, content=content)
+                if answer.status_code < 400:
+                    return call.decode(answer.content)
+                failure: Exception = problem_of(answer)
             except httpx.TransportError as error:
                 failure = error
             await self._wait(attempt, begun, failure, call.repeatable)
@@ -155,3 +133,17 @@ class AsyncClient(AsyncOperations):
             raise failure
         else:
             raise unreachable(self._http.base_url, failure) from failure
+
+
+async def _parts(items: Iterable[bulk.Item] | AsyncIterable[bulk.Item]) -> AsyncIterator[Iterable[bulk.Item]]:
+    """Yield a plain iterable as it is, and an asynchronous one batch by batch."""
+    if not isinstance(items, AsyncIterable):
+        yield items
+        return
+    part: list[bulk.Item] = []
+    async for item in items:
+        part.append(item)
+        if len(part) >= bulk.MAX_BATCH_ITEMS:
+            yield part
+            part = []
+    yield part

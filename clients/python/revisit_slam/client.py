@@ -120,9 +120,7 @@ class Client(Operations):
         begun, attempt = time.monotonic(), 0
         while True:
             try:
-                response = self._http.request(
-                    call.method, call.path, params=call.params(), headers=headers, content=content
-                )
+                response = self._http.request(call.method, call.path, params=call.params(), headers=headers, content=content)
                 if response.status_code < 400:
                     return call.decode(response.content)
                 failure: Exception = problem_of(response)
@@ -131,9 +129,7 @@ class Client(Operations):
             self._wait(attempt, begun, failure, call.repeatable, retries)
             attempt += 1
 
-    def _wait(
-        self, attempt: int, begun: float, failure: Exception, repeatable: bool, retries: Retries | None = None
-    ) -> None:
+    def _wait(self, attempt: int, begun: float, failure: Exception, repeatable: bool, retries: Retries | None = None) -> None:
         """Wait before the next try, or raise the failure where none is left."""
         delay = (retries or self._retries).delay(attempt, time.monotonic() - begun, failure, repeatable)
         if delay is not None:

@@ -66,7 +66,7 @@ def first_bytes(path: Path) -> bytes:
 
 
 def how_to_mend(path: Path) -> str:
-    """Return the next step with a file that its reader cannot open, or else what it looks like; nothing where neither is known."""
+    """Return the next step with a file that its reader cannot open, or else what it looks like; nothing if unknown."""
     if path.is_dir():
         return f"`ros2 bag reindex {path}` writes the metadata.yaml of a bag's folder"
     form = what_is(first_bytes(path))

@@ -111,9 +111,7 @@ class KeyframeSender:
             if self._spill.count and self._oldest_spilled is not None:
                 oldest.append(self._oldest_spilled)
             lag_s = time.monotonic() - min(oldest) if oldest else 0.0
-            return SenderStats(
-                queued, self._spill.count, self._sent, self._refused, self._dropped, lag_s, self._unreachable
-            )
+            return SenderStats(queued, self._spill.count, self._sent, self._refused, self._dropped, lag_s, self._unreachable)
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until everything was sent; whether it was, within the time."""

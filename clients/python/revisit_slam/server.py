@@ -48,13 +48,7 @@ class Server:
         folder = Path(self._folder.name)
         self._log = (folder / "server.log").open("w+b")
         command = [
-            find_binary(),
-            "serve",
-            "--listen",
-            listen,
-            "--database",
-            f"sqlite://{database or folder / 'revisit.db'}",
-            *arguments,
+            find_binary(), "serve", "--listen", listen, "--database", f"sqlite://{database or folder / 'revisit.db'}", *arguments
         ]
         # Settings of another server in the environment are none of this one's.
         environment = {name: value for name, value in os.environ.items() if not name.startswith("REVISIT_")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from importlib.util import find_spec
 from ipaddress import ip_address, ip_network
 from typing import Any
@@ -44,7 +45,8 @@ def address_of(told: str) -> str:
         url = httpx.URL(text if "://" in text else f"http://{text}")
         url.host.encode("idna")  # As it is looked up.
         # What is written as `http:/HOST`, or is only a port, has no other host than these.
-        good = url.scheme in ("http", "https") and re.fullmatch(r"(?!https?$|\d+$)[\w.:-]+", url.host) and (url.port or 0) < 1 << 16
+        is_host = re.fullmatch(r"(?!https?$|\d+$)[\w.:-]+", url.host)
+        good = is_host and url.scheme in ("http", "https") and (url.port or 0) < 1 << 16
     except (httpx.InvalidURL, ValueError):
         good = False
     if not good or url.query or url.fragment:
@@ -75,20 +77,15 @@ def proxy_to(address: httpx.URL) -> httpx.Proxy | None:
 def _is_named(address: httpx.URL, names: str) -> bool:
     """Whether NO_PROXY's names have a server: `*`, a host, a domain around it, an address or a network, each also with a port."""
     port = f":{address.port or {'http': 80, 'https': 443}[address.scheme]}"
-    hosts = [name.rpartition("://")[2].removesuffix(port).strip("[]") for name in re.split(r"[,\s]+", names.lower())]
-    domains = [host.lstrip("*.") for host in hosts]
-    return (
-        "*" in hosts
-        or any(domain and f".{address.host}".endswith(f".{domain}") for domain in domains)
-        or any(_is_within(address.host, host) for host in hosts)
-    )
-
-
-def _is_within(host: str, network: str) -> bool:
-    try:
-        return ip_address(host) in ip_network(network, strict=False)
-    except ValueError:
-        return False
+    for name in re.split(r"[,\s]+", names.lower()):
+        host = name.rpartition("://")[2].removesuffix(port).strip("[]")
+        domain = host.lstrip("*.")
+        if host == "*" or (domain and f".{address.host}".endswith(f".{domain}")):
+            return True
+        with suppress(ValueError):
+            if ip_address(address.host) in ip_network(host, strict=False):
+                return True
+    return False
 
 
 __all__ = ["DEFAULT_URL", "EVENTS_SILENCE_S", "EXPORT_SILENCE_S", "TIMEOUT_S", "Retries", "address_of", "http_settings"]

@@ -11,7 +11,6 @@ from imported import Imported, imported, observes, pose_of, projected, refused, 
 
 pycolmap = pytest.importorskip("pycolmap")
 
-from revisit_slam.errors import RevisitError  # noqa: E402
 from revisit_slam.imports.opened import Wanted  # noqa: E402
 from revisit_slam.imports.opening import open_file  # noqa: E402
 

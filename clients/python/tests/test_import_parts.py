@@ -449,7 +449,18 @@ def test_a_database_that_is_being_written_says_so(drive: World, tmp_path: Path, 
         shutil.copy(tmp_path / name, copy / name)
     writer.close()
     told = refused(copy / "m.db", tmp_path, capsys)
-    assert "m.db-journal beside it says that writing did not end" in told and f"`sqlite3 {copy / 'm.db'} .tables`" in told
+    assert "writing did not end, says m.db-journal" in told and f"`sqlite3 {copy / 'm.db'} .tables`" in told
+
+
+def test_a_bag_whose_last_messages_are_in_the_log_says_so(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = foreign_messages.map_data(tmp_path / "bag", drive, mcap=False)
+    (part,) = folder.glob("*.db3")
+    assert len(imported(folder, tmp_path, capsys).keyframes) == len(drive.stands)
+    part.with_name(f"{part.name}-wal").write_bytes(b"")
+    assert len(imported(folder, tmp_path, capsys).keyframes) == len(drive.stands)
+    part.with_name(f"{part.name}-wal").write_bytes(bytes(100))
+    for source in (folder, part):
+        assert f"says {part.name}-wal" in refused(source, tmp_path, capsys)
 
 
 def test_a_database_with_a_log_is_read_and_nothing_is_left_beside_it(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import dataclass
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from ..errors import RevisitError
 from ..pixels.recording import Recording
@@ -15,23 +15,7 @@ from .damage import in_one_line, one_line
 from .opened import Opened, Wanted
 from .opening import open_file
 
-
-@dataclass
-class Counts:
-    """What was written."""
-
-    keyframes: int = 0
-    map_points: int = 0
-    observations: int = 0
-    features: int = 0
-    words: int = 0
-    detections: int = 0
-    loops: int = 0
-    left_out: int = 0
-
-    def told(self) -> str:
-        """Return it for a person."""
-        return ", ".join(f"{count:,} {name.replace('_', ' ')}" for name, count in vars(self).items() if count or name == "keyframes")
+COUNTED = ("keyframes", "map_points", "observations", "features", "words", "detections", "loops", "left_out")
 
 
 def play_import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
@@ -48,33 +32,31 @@ def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     with Recording(chosen.output) as recording:
         recording.map(chosen.map, body)
         counts = _write(opened, recording, chosen.query)
-        if not counts.keyframes:
+        if not counts["keyframes"]:
             raise RevisitError("; ".join((f"{chosen.source}: no keyframe in it", *opened.notes)))
     for line in opened.notes:
         print(f"revisit-play: {one_line(line)}", file=sys.stderr)
     if chosen.json:
-        print(msgspec.json.encode(vars(counts)).decode())
+        print(msgspec.json.encode(counts).decode())
     else:
-        print(f"{opened.system}: {counts.told()}")
+        told = (f"{count:,} {what.replace('_', ' ')}" for what, count in counts.items() if count)
+        print(f"{opened.system}: {', '.join(told)}")
         print(f"recording: {chosen.output}; now: revisit replay {chosen.output}")
     return 0
 
 
-def _write(opened: Opened, recording: Recording, query: bool) -> Counts:
-    counts = Counts()
+def _write(opened: Opened, recording: Recording, query: bool) -> dict[str, int]:
+    counts = dict.fromkeys(COUNTED, 0)
     for seen in opened.keyframes():
         recording.keyframe(seen.id, seen.body())
         if query:
             recording.query(seen.id, None)
-        for earlier in seen.loops:
-            recording.loop({"id": f"loop-{counts.loops}", "keyframe": seen.id, "candidate": earlier})
-            counts.loops += 1
-        counts.keyframes += 1
-        counts.map_points += len(seen.placed)
-        # Of a feature's point it is an observation as well.
-        counts.observations += len(seen.observes) + (int((seen.features.points >= 0).sum()) if seen.features is not None else 0)
-        counts.features += len(seen.features.points) if seen.features is not None else 0
-        counts.words += len(seen.words or ())
-        counts.detections += len(seen.detections)
-    counts.left_out = opened.account.left_out.count
+        for number, earlier in enumerate(seen.loops, counts["loops"]):
+            recording.loop({"id": f"loop-{number}", "keyframe": seen.id, "candidate": earlier})
+        points = seen.features.points if seen.features is not None else np.empty(0)
+        # A feature of a point is an observation as well.
+        observations = len(seen.observes) + int((points >= 0).sum())
+        found = (1, len(seen.placed), observations, len(points), len(seen.words or ()), len(seen.detections), len(seen.loops))
+        counts |= {what: counts[what] + count for what, count in zip(COUNTED, found)}
+    counts["left_out"] = opened.account.left_out.count
     return counts

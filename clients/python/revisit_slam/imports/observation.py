@@ -132,8 +132,7 @@ class Observation:
             body["features"] = self.features.body()
         if self.placed:
             body["map_points"] = {
-                "ids": list(self.placed),
-                "positions": [[float(value) for value in self.placed[id]] for id in self.placed],
+                "ids": list(self.placed), "positions": [[float(value) for value in self.placed[id]] for id in self.placed]
             }
         if self.observes:
             body["observes"] = self.observes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 from ..errors import RevisitError
@@ -12,6 +13,10 @@ from .sqlite_file import tables
 
 # A table that only one system's databases have; the last is that of a ROS 2 bag.
 TABLES = {"colmap": "two_view_geometries", "rtabmap": "Node", "stella": "keyframes", "mcap": "topics"}
+READERS = {
+    "model": ".colmap.model", "colmap": ".colmap.database", "rtabmap": ".rtabmap.database", "mcap": ".rtabmap.map_data",
+    "stella": ".stella.database", "packed": ".stella.packed",
+}  # fmt: skip
 MODEL_FILES = ("cameras", "images", "points3D")
 KNOWN = "a COLMAP model's folder or database, an RTAB-Map or stella_vslam map, or a ROS 2 recording (MCAP) with rtabmap_msgs/MapData"
 
@@ -21,32 +26,14 @@ def open_file(path: Path, form: str, wanted: Wanted) -> Opened:
     form = _form(path) if form == "auto" else form
     if wanted.database is not None and form != "colmap":
         raise RevisitError("--database: it belongs to a COLMAP model")
+    if form == "unknown":
+        raise RevisitError(f"{path}: not {KNOWN}{_told_instead(path)}")
     if form == "colmap" and path.is_dir():
-        from .colmap.model import open_model
-
-        return open_model(path, wanted)
-    if form == "colmap":
-        from .colmap.database import open_database
-
-        return open_database(path, wanted)
-    if form == "rtabmap":
-        from .rtabmap.database import open_database as open_rtabmap
-
-        return open_rtabmap(path, wanted)
-    if form == "mcap":
-        from .rtabmap.map_data import open_map_data
-
-        return open_map_data(path, wanted)
-    if form == "stella":
-        from .stella.database import open_database as open_stella
-        from .stella.packed import open_packed
-
-        return open_stella(path, wanted) if _is_sqlite(path) else open_packed(path, wanted)
-    raise RevisitError(f"{path}: not {KNOWN}{_told_instead(path)}")
-
-
-def _is_sqlite(path: Path) -> bool:
-    return first_bytes(path).startswith(SQLITE)
+        form = "model"
+    if form == "stella" and not first_bytes(path).startswith(SQLITE):
+        form = "packed"
+    # Only what reads this file need be installed.
+    return import_module(READERS[form], __package__).open_map(path, wanted)
 
 
 def _form(path: Path) -> str:
@@ -71,7 +58,8 @@ def _told_instead(path: Path) -> str:
     if path.name.split(".")[0] in MODEL_FILES:
         return f"; of a COLMAP model its folder is imported: {path.absolute().parent}"
     if first.startswith(b"#ROSBAG"):
-        return f", but a ROS 1 bag ({how_to_mend(path)}): import RTAB-Map's own database; `revisit-play bag` plays its pictures"
+        own = "import RTAB-Map's own database, or play its pictures: `revisit-play bag`"
+        return f", but a ROS 1 bag: {own} (where it was not closed, {how_to_mend(path)})"
     looks = what_is(first) or ("a text" if first.isascii() and b"\0" not in first else "")
     return f", but it looks like this: {looks}" if looks else ""
 

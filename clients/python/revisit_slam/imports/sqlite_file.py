@@ -20,9 +20,9 @@ CACHE_KIB = 16 * 1024
 def reading(path: Path) -> Iterator[sqlite3.Connection]:
     """Open a database; nothing is written to it or beside it. What SQLite refuses is one line."""
     with told_of(path, "SQLite"):
-        beside = [name for name in (f"{path.name}-journal", f"{path.name}-wal") if path.with_name(name).exists()]
+        unended = not_ended(path)
         # Where a database keeps a log SQLite makes the log's files even to read; where none is beside it, nobody writes.
-        way = "mode=ro&immutable=1" if first_bytes(path)[18:19] == b"\2" and not beside else "mode=ro"
+        way = "mode=ro&immutable=1" if first_bytes(path)[18:19] == b"\2" and not unended else "mode=ro"
         connection = sqlite3.connect(f"{path.absolute().as_uri()}?{way}", uri=True)
         try:
             if hasattr(connection, "setlimit"):  # Since Python 3.11.
@@ -38,12 +38,19 @@ def reading(path: Path) -> Iterator[sqlite3.Connection]:
         except sqlite3.OperationalError as error:
             if "locked" in str(error):
                 raise RevisitError(f"{path}: another program writes to it: end that, or import a copy") from error
-            if beside:
-                told = f"{beside[0]} beside it says that writing did not end: open it once with the program that wrote it"
-                raise RevisitError(f"{path}: {error}; {told}, or with `sqlite3 {path} .tables`") from error
+            if unended:
+                raise RevisitError(f"{path}: {error}; {unended}") from error
             raise
         finally:
             connection.close()
+
+
+def not_ended(path: Path) -> str:
+    """Return what says that writing to a database did not end, and the next step; nothing where nothing does."""
+    for beside in (path.with_name(f"{path.name}-journal"), path.with_name(f"{path.name}-wal")):
+        if beside.exists() and beside.stat().st_size:
+            return f"writing did not end, says {beside.name}: open it once with what wrote it, or `sqlite3 {path} .tables`"
+    return ""
 
 
 def tables(path: Path) -> dict[str, set[str]]:

@@ -13,7 +13,7 @@ from ...errors import RevisitError
 from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from .cameras import parameter_count, pinhole
-from .entries import Camera, Image, model_file
+from .entries import Camera, Image
 
 COUNT = struct.Struct("<Q")
 CAMERA = struct.Struct("<iiQQ")
@@ -28,7 +28,7 @@ class BinaryModel:
     """A model's three files, open."""
 
     def __init__(self, model: Path) -> None:
-        self._files = {name: File(model_file(model, name, "bin")) for name in ("cameras", "images", "points3D")}
+        self._files = {name: File(model / f"{name}.bin") for name in ("cameras", "images", "points3D")}
 
     def cameras(self, account: Account) -> dict[int, Camera]:
         """Return the cameras by their ids; one that is wrong is left out."""
@@ -58,7 +58,7 @@ class BinaryModel:
             _, w, x, y, z, tx, ty, tz, camera = file.unpack(IMAGE)
             name = file.text()
             features = COUNT.unpack(file.read(COUNT.size))[0]
-            offset = file.tell()
+            offset = file.file.tell()
             file.skip(features * FEATURE.itemsize)
             yield Image(name, camera, (w, x, y, z), (tx, ty, tz), offset, features)
 
@@ -67,13 +67,13 @@ class BinaryModel:
         file, size = self._files["images"], image.observations * FEATURE.itemsize
         if size > MAX_PIECE_BYTES:
             raise RevisitError(f"{file.path}: image {image.name} has {image.observations} features; that is no image")
-        file.seek(image.offset)
+        file.file.seek(image.offset)
         return np.frombuffer(file.read(size), FEATURE)["point"]
 
     def close(self) -> None:
         """Close the files."""
         for file in self._files.values():
-            file.close()
+            file.file.close()
 
 
 class File:
@@ -82,11 +82,11 @@ class File:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._size = path.stat().st_size
-        self._file: BinaryIO = path.open("rb")
+        self.file: BinaryIO = path.open("rb")
 
     def count(self, what: str, least_bytes: int) -> int:
         """Return the number of entries that the file begins with, which it must have room for."""
-        self._file.seek(0)
+        self.file.seek(0)
         count = COUNT.unpack(self.read(COUNT.size))[0]
         if count * least_bytes > self._size:
             raise RevisitError(f"{self.path}: it claims {count} {what}, and has {self._size} bytes")
@@ -98,35 +98,23 @@ class File:
 
     def read(self, size: int) -> bytes:
         """Return the bytes that come next."""
-        data = self._file.read(size)
+        data = self.file.read(size)
         if len(data) < size:
             raise RevisitError(f"{self.path}: it ends in the middle of an entry, after {self._size} bytes")
         return data
 
     def skip(self, size: int) -> None:
         """Leave bytes out."""
-        if self._file.tell() + size > self._size:
+        if self.file.tell() + size > self._size:
             raise RevisitError(f"{self.path}: it ends in the middle of an entry, after {self._size} bytes")
-        self._file.seek(size, 1)
+        self.file.seek(size, 1)
 
     def text(self) -> str:
         """Return the text up to the next zero byte."""
-        begun = self._file.tell()
-        data = self._file.read(MAX_NAME_BYTES)
+        begun = self.file.tell()
+        data = self.file.read(MAX_NAME_BYTES)
         end = data.find(b"\0")
         if end < 0:
             raise RevisitError(f"{self.path}: at byte {begun} an image's name does not end")
-        self._file.seek(begun + end + 1)
+        self.file.seek(begun + end + 1)
         return data[:end].decode("utf-8", "surrogateescape")
-
-    def tell(self) -> int:
-        """Return where the next byte stands."""
-        return self._file.tell()
-
-    def seek(self, offset: int) -> None:
-        """Go to a byte."""
-        self._file.seek(offset)
-
-    def close(self) -> None:
-        """Close it."""
-        self._file.close()

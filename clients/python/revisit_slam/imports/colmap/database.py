@@ -82,7 +82,7 @@ class Pairs:
         return first, second
 
 
-def open_database(path: Path, wanted: Wanted) -> Opened:
+def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a database by itself: cameras, matches, and prior poses where there are any."""
     found = tables(path)
     need_columns(path, found, TABLES, "database of COLMAP")
@@ -104,7 +104,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, account: Account) -
         cameras = {}
         for id, model, width, height, params in connection.execute("select camera_id, model, width, height, params from cameras"):
             with account.part(f"camera {id}") as where:
-                if not all(isinstance(value, int) for value in (model, width, height)) or not isinstance(params, bytes) or len(params) % 8:
+                if {type(model), type(width), type(height)} != {int} or not isinstance(params, bytes) or len(params) % 8:
                     raise RevisitError(f"{where}: its model, size and parameters are of another kind")
                 cameras[id] = pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where)[0]
         ids = ids_of_names(str(name) for (name,) in connection.execute("select name from images"))

@@ -7,7 +7,7 @@ what the numbers of a camera mean, and tests hold the reading against its own.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -25,14 +25,14 @@ from ..point_store import PointStore
 from ..poses import checked, inverse, matrix
 from .binary import BinaryModel
 from .database import Pairs
-from .entries import Camera, Image, ModelFiles
+from .entries import Camera, Image
 from .text import TextModel
 
 FILES = ("cameras", "images", "points3D")
-FORMS: dict[str, Callable[[Path], ModelFiles]] = {"bin": BinaryModel, "txt": TextModel}
+FORMS: dict[str, type[BinaryModel] | type[TextModel]] = {"bin": BinaryModel, "txt": TextModel}
 
 
-def open_model(model: Path, wanted: Wanted) -> Opened:
+def open_map(model: Path, wanted: Wanted) -> Opened:
     """Open a model's folder."""
     form = next((form for form in FORMS if all((model / f"{name}.{form}").is_file() for name in FILES)), None)
     if form is None:
@@ -50,7 +50,7 @@ def open_model(model: Path, wanted: Wanted) -> Opened:
     return Opened("COLMAP model", wanted.metres_per_unit is not None, keyframes, account)
 
 
-def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, account: Account) -> Iterator[Observation]:
+def _keyframes(model: Path, files: BinaryModel | TextModel, wanted: Wanted, account: Account) -> Iterator[Observation]:
     cameras = files.cameras(account)
     images = sorted(files.images(), key=lambda image: image.name)
     ids = ids_of_names(image.name for image in images)
@@ -64,7 +64,7 @@ def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, account: Account)
         for id, x, y, z in files.points():
             points.add(id, x * scale, y * scale, z * scale)
         if points.are_far:
-            account.notes.append("ids of points are no numbers that the server takes: points are numbered in the order of the file")
+            account.notes.append("ids of points are none that the server takes: points are numbered in the order of the file")
         for image in sorted(images, key=lambda image: (stamps[image.name], image.name)):
             with account.part(f"image {image.name}") as where:
                 if image.name in earlier:

@@ -15,14 +15,14 @@ from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from .cameras import pinhole
 from ..point_store import signed
-from .entries import Camera, Image, model_file
+from .entries import Camera, Image
 
 
 class TextModel:
     """A model's three files, open."""
 
     def __init__(self, model: Path) -> None:
-        self._files = {name: Lines(model_file(model, name, "txt")) for name in ("cameras", "images", "points3D")}
+        self._files = {name: Lines(model / f"{name}.txt") for name in ("cameras", "images", "points3D")}
 
     def cameras(self, account: Account) -> dict[int, Camera]:
         """Return the cameras by their ids; one that is wrong is left out."""
@@ -55,14 +55,14 @@ class TextModel:
             count += 1
             if count > MAX_KEYFRAMES:
                 raise RevisitError(f"{file.path}: it has more than {MAX_KEYFRAMES} images; so many are not taken")
-            offset = file.tell()
+            offset = file.file.tell()
             file.line()
             yield Image(name, camera, (w, x, y, z), (tx, ty, tz), offset, 0)
 
     def observed(self, image: Image) -> np.ndarray:
         """Return the ids of the points that an image observes, feature by feature, with a sign; -1 where a feature has none."""
         file = self._files["images"]
-        file.seek(image.offset)
+        file.file.seek(image.offset)
         words = file.line().split()
         if len(words) % 3 or not all(word.lstrip(b"-").isdigit() for word in words[2::3]):
             raise RevisitError(f"{file.path}: the features of image {image.name} are no X Y POINT3D_ID ..")
@@ -71,7 +71,7 @@ class TextModel:
     def close(self) -> None:
         """Close the files."""
         for file in self._files.values():
-            file.close()
+            file.file.close()
 
 
 class Lines:
@@ -80,24 +80,24 @@ class Lines:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._number = 0
-        self._file: BinaryIO = path.open("rb")
+        self.file: BinaryIO = path.open("rb")
 
     def entries(self) -> Iterator[bytes]:
         """Yield the lines from the first one that are neither empty nor a comment."""
         self._number = 0
-        self._file.seek(0)
-        first = self._file.read(4)
+        self.file.seek(0)
+        first = self.file.read(4)
         mark, encoding = next((found for found in MARKS if first.startswith(found[0])), (b"", "utf-8"))
         if encoding != "utf-8":
             raise RevisitError(f"{self.path}: a text in {encoding.upper()}: save it as UTF-8")
-        self._file.seek(len(mark))
+        self.file.seek(len(mark))
         while line := self.line():
             if line.strip() and not line.lstrip().startswith(b"#"):
                 yield line
 
     def line(self) -> bytes:
         """Return the next line; nothing at the end."""
-        line = self._file.readline(MAX_PIECE_BYTES)
+        line = self.file.readline(MAX_PIECE_BYTES)
         self._number += 1
         if len(line) == MAX_PIECE_BYTES:
             raise RevisitError(f"{self.path}: line {self._number} is longer than {MAX_PIECE_BYTES >> 20} MiB")
@@ -110,18 +110,6 @@ class Lines:
             yield
         except (ValueError, IndexError) as error:
             raise RevisitError(f"{self.path}: line {self._number} is no {form}") from error
-
-    def tell(self) -> int:
-        """Return where the next line begins."""
-        return self._file.tell()
-
-    def seek(self, offset: int) -> None:
-        """Go to the beginning of a line."""
-        self._file.seek(offset)
-
-    def close(self) -> None:
-        """Close it."""
-        self._file.close()
 
 
 def number(word: str | bytes) -> float:

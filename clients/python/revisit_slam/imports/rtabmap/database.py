@@ -40,7 +40,7 @@ MAX_NODE_ID = 2**31 - 1
 NODES_AT_HAND = 64
 
 
-def open_database(path: Path, wanted: Wanted) -> Opened:
+def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a database."""
     need_columns(path, tables(path), TABLES, "database of RTAB-Map 0.13 and later (open an older one with it once)")
     account = Account(path)

@@ -15,6 +15,7 @@ from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
 from ..opened import Opened, Wanted
+from ..sqlite_file import not_ended
 from .chunks import check_chunks
 from .definitions import MAP_DATA, typestore
 from .links import COVISIBLE, LOOPS, shared_words
@@ -25,13 +26,15 @@ MAX_TOLD = 12
 NODES_AT_HAND = 1024
 
 
-def open_map_data(path: Path, wanted: Wanted) -> Opened:
+def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a recording."""
     account = Account(path)
     if path.is_dir() and not (path / "metadata.yaml").is_file():
         raise RevisitError(f"{path}: no metadata.yaml in it: {how_to_mend(path)}")
     with told_of(path, "the reader of MCAP"):
-        for part in sorted(path.glob("*.mcap")) if path.is_dir() else [path]:
+        for part in sorted(part for part in path.iterdir() if part.suffix in (".mcap", ".db3")) if path.is_dir() else [path]:
+            if part.suffix == ".db3" and not_ended(part):
+                raise RevisitError(f"{part}: {not_ended(part)}")
             check_chunks(part)
     with _reading(path) as reader:
         topic = _topic(path, reader, wanted.topic)

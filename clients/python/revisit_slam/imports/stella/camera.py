@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ...errors import RevisitError
-from ..observation import Pinhole
+from ..damage import Account
+from ..observation import Observation, Pinhole
+from ..opened import Opened, Wanted
 
 PINHOLES = ("Perspective", "Fisheye", "RadialDivision")
 ALL_AROUND = "Equirectangular"
@@ -36,9 +38,12 @@ def camera_of(told: Mapping[str, Any], where: str) -> Camera:
     return Camera(Pinhole(fx, fy, cx, cy, int(numbers[4]), int(numbers[5])).checked(where), setup != "Monocular")
 
 
-def told_of_cameras(cameras: Mapping[str, Camera], is_metric: bool) -> list[str]:
-    """Return what a person should know of a map's cameras."""
-    notes = [] if is_metric else ["one camera measures no length: the map is not metric; --metres-per-unit tells it"]
+def opened(cameras: Mapping[str, Camera], wanted: Wanted, keyframes: Callable[[], Iterator[Observation]], account: Account) -> Opened:
+    """Return a map of these cameras, with what a person should know of them."""
+    # A camera alone measures no length; two cameras or depths do.
+    metric = wanted.metres_per_unit is not None or all(camera.metric for camera in cameras.values())
+    if not metric:
+        account.notes.append("one camera measures no length: the map is not metric; --metres-per-unit tells it")
     if any(camera.pinhole is None for camera in cameras.values()):
-        notes.append("pictures that show all around have no camera and no features: points only")
-    return notes
+        account.notes.append("pictures that show all around have no camera and no features: points only")
+    return Opened("stella_vslam map", metric, keyframes, account)

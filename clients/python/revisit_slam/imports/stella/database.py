@@ -17,7 +17,7 @@ from ..opened import Opened, Wanted
 from ..point_ids import PointIds
 from ..poses import checked, rigid
 from ..sqlite_file import need_columns, reading, tables
-from .camera import Camera, camera_of, told_of_cameras
+from .camera import Camera, camera_of, opened
 from .keyframe import DESCRIPTOR_BYTES, MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
 
 TABLES = {
@@ -34,21 +34,18 @@ COLUMNS = "k.id, k.ts, k.cam, k.pose_cw, k.n_keypts, k.undist_keypts, k.descs, a
 IDS_AT_ONCE = 500
 
 
-def open_database(path: Path, wanted: Wanted) -> Opened:
+def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a map."""
     need_columns(path, tables(path), TABLES, "SQLite map of stella_vslam")
     account = Account(path)
     with reading(path) as connection:
         cameras = _cameras(connection, account)
-    # A camera alone measures no length; two cameras or depths do.
-    metric = wanted.metres_per_unit is not None or all(camera.metric for camera in cameras.values())
-    account.notes.extend(told_of_cameras(cameras, metric))
 
     def keyframes() -> Iterator[Observation]:
         with reading(path) as connection:
             yield from _keyframes(path, connection, cameras, wanted, account)
 
-    return Opened("stella_vslam map", metric, keyframes, account)
+    return opened(cameras, wanted, keyframes, account)
 
 
 def _cameras(connection: sqlite3.Connection, account: Account) -> dict[str, Camera]:
@@ -57,7 +54,7 @@ def _cameras(connection: sqlite3.Connection, account: Account) -> dict[str, Came
         told = dict(zip(TABLES["cameras"], row))
         name = _text(told["name"])
         with account.part(f"camera {name}") as where:
-            found[name] = camera_of({**told, "model_type": _text(told["model_type"]), "setup_type": _text(told["setup_type"])}, where)
+            found[name] = camera_of(told | {kind: _text(told[kind]) for kind in ("model_type", "setup_type")}, where)
     return found
 
 
@@ -112,7 +109,7 @@ def _column(value: Any, size: int, what: str, where: str) -> bytes:
 
 
 def _positions(connection: sqlite3.Connection, ids: list[int], scale: float, account: Account) -> dict[int, np.ndarray]:
-    """Return where landmarks are; one that is not in the file, or at no place, counts for covisibility only, as stella_vslam skips it."""
+    """Return where landmarks are; one that is nowhere counts for covisibility only, as stella_vslam skips it."""
     found = {}
     for start in range(0, len(ids), IDS_AT_ONCE):
         some = ids[start : start + IDS_AT_ONCE]

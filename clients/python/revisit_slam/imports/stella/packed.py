@@ -22,7 +22,7 @@ from ..opened import Opened, Wanted
 from ..point_ids import PointIds
 from ..point_store import PointStore
 from ..poses import matrix
-from .camera import Camera, camera_of, told_of_cameras
+from .camera import Camera, camera_of, opened
 from .keyframe import MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
 
 READER = "the reader of MessagePack"
@@ -31,7 +31,7 @@ SECTIONS = ("cameras", "keyframes", "landmarks")
 KEYS = ("ts", "cam", "rot_cw", "trans_cw", "undist_keypts", "descs", "lm_ids", "loop_edges")
 
 
-def open_packed(path: Path, wanted: Wanted) -> Opened:
+def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a map."""
     account = Account(path)
     cameras: dict[str, Camera] = {}
@@ -53,15 +53,13 @@ def open_packed(path: Path, wanted: Wanted) -> Opened:
         unpacker.skip()
 
     _walk(path, {"cameras": camera, "keyframes": keyframe})
-    metric = wanted.metres_per_unit is not None or all(camera.metric for camera in cameras.values())
-    account.notes.extend(told_of_cameras(cameras, metric))
 
     def keyframes() -> Iterator[Observation]:
         with told_of(path, READER), path.open("rb") as file, tempfile.TemporaryDirectory(prefix="revisit-import-") as folder:
             with PointStore(Path(folder), account) as points:
                 yield from _keyframes(account, file, offsets, points, cameras, wanted)
 
-    return Opened("stella_vslam map", metric, keyframes, account)
+    return opened(cameras, wanted, keyframes, account)
 
 
 def _keyframes(
