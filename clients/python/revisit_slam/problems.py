@@ -56,14 +56,9 @@ def problem_of(response: httpx.Response) -> ProblemError:
         status = response.status_code
         detail = response.text[:200] or response.reason_phrase
         problem = Problem(
-            type="about:blank",
-            title=response.reason_phrase,
-            status=status,
-            detail=detail,
-            code=f"http_{status}",
-            request_id=response.headers.get("x-request-id", ""),
-            errors=[],
-        )
+            type="about:blank", title=response.reason_phrase, status=status, detail=detail, code=f"http_{status}",
+            request_id=response.headers.get("x-request-id", ""), errors=[],
+        )  # fmt: skip
     return ProblemError(problem, retry_after(response))
 
 

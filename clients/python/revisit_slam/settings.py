@@ -12,7 +12,6 @@ from urllib.request import getproxies
 import httpx
 
 from .errors import RevisitError
-from .retries import Retries
 
 DEFAULT_URL = "http://127.0.0.1:7878"
 TIMEOUT_S = 30.0
@@ -29,13 +28,14 @@ def http_settings(url: str, key: str | None, timeout_s: float) -> dict[str, Any]
     address = httpx.URL(address_of(url))
     headers = {"authorization": f"Bearer {key.strip()}"} if key else {}
     # By itself httpx would fail at any proxy of the environment, also at one that is not on the way to this server.
-    found: dict[str, Any] = {"base_url": address, "headers": headers, "timeout": httpx.Timeout(timeout_s), "trust_env": False}
+    found: dict[str, Any] = {"trust_env": False, "proxy": proxy_to(address)}
+    found |= {"base_url": address, "headers": headers, "timeout": httpx.Timeout(timeout_s)}
     if address.scheme == "https":
         try:
             found["verify"] = httpx.create_ssl_context()
         except OSError as error:
             raise RevisitError(f"what SSL_CERT_FILE or SSL_CERT_DIR names cannot be read: {error}") from error
-    return found | {"proxy": proxy_to(address)}
+    return found
 
 
 def address_of(told: str) -> str:
@@ -86,6 +86,3 @@ def _is_named(address: httpx.URL, names: str) -> bool:
             if ip_address(address.host) in ip_network(host, strict=False):
                 return True
     return False
-
-
-__all__ = ["DEFAULT_URL", "EVENTS_SILENCE_S", "EXPORT_SILENCE_S", "TIMEOUT_S", "Retries", "address_of", "http_settings"]

@@ -10,7 +10,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from revisit_slam import AsyncClient, Client, KeyframeSender, ProblemError, Retries, RevisitError, Server, ServerUnreachable, models
+from revisit_slam import AsyncClient, Client, KeyframeSender, ProblemError, Retries, RevisitError, Server, ServerUnreachable
+from revisit_slam import models
 from samples import keyframe
 from stand_in import stand_in
 
@@ -196,8 +197,8 @@ def test_a_server_that_is_not_there_is_one_clear_error() -> None:
         ("https://robots.example/revisit/", "https://robots.example/revisit"),
         ("robots.example/a/b", "http://robots.example/a/b"),
         *((wrong, None) for wrong in (
-            "", "  ", "/", "http://", "http:", "http:/host", "http//host:7878", "ftp://x", "://x", ":7878", "7878", "localhost:port",
-            "localhost:99999", "local host:7878", "http://[::1", "http://a..b", "http://host/?map=m", "*",
+            "", "  ", "/", "http://", "http:", "http:/host", "http//host:7878", "ftp://x", "://x", ":7878", "7878",
+            "localhost:port", "localhost:99999", "local host:7878", "http://[::1", "http://a..b", "http://host/?map=m", "*",
         )),
     ],
 )  # fmt: skip

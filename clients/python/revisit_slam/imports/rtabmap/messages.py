@@ -63,11 +63,6 @@ def transform_of(message: Any, where: str) -> np.ndarray:
     return _matrix(message.translation, message.rotation, where)
 
 
-def is_null(message: Any) -> bool:
-    """Whether a pose is RTAB-Map's null: a quaternion of zeros."""
-    return not any(getattr(message.orientation, axis) for axis in "xyzw")
-
-
 def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observation | None:
     """Return a node's observation; `where` names it. None where it is none: without a pose, or between keyframes."""
     id = int(node.id)
@@ -77,26 +72,18 @@ def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observatio
         return None
     map_from_base = graph.poses.get(id)
     if map_from_base is None:
-        if is_null(node.pose):
+        # RTAB-Map's null is a quaternion of zeros.
+        if not any(getattr(node.pose.orientation, axis) for axis in "xyzw"):
             return None
         map_from_base = graph.map_from_odom @ pose_of(node.pose, where)
-    session = session_of(name, int(node.map_id))
+    # Each start of RTAB-Map is a map of its own.
+    session = f"{name}-{int(node.map_id)}"
     stamp_ns = stamp_of(node.stamp, id)
-    names = (name_of(name, int(node.map_id), id), session)
+    names = (f"{session}-{id}", session)
     mounted = _mounted(node.data, where)
     seen = observation(names, id, stamp_ns, map_from_base, mounted, words_of(node, where), f"rtabmap:{name}")
     seen.detections.extend(detections_of(graph.landmarks.get(id, []), map_from_base, mounted.base_from_camera, mounted.camera))
     return seen
-
-
-def session_of(name: str, map_id: int) -> str:
-    """Return the session of RTAB-Map's map: each start of it is one."""
-    return f"{name}-{map_id}"
-
-
-def name_of(name: str, map_id: int, node: int) -> str:
-    """Return the keyframe's id of a node."""
-    return f"{session_of(name, map_id)}-{node}"
 
 
 def words_of(node: Any, where: str) -> Words:
