@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from .errors import RevisitError
 
@@ -29,6 +31,14 @@ class LeftOut:
     def add(self, name: object, why: str, count: int = 1) -> None:
         """Note one, or what has so many."""
         self._reasons.setdefault(why, Counter())[str(name)] += count
+
+    @contextmanager
+    def part(self, more: str = "") -> Iterator[None]:
+        """Do something with one thing, which is left out where it cannot be read."""
+        try:
+            yield
+        except Unreadable as error:
+            self.add(error.name, error.why + more)
 
     def add_all(self, other: LeftOut, where: str) -> None:
         """Note what was left out of something that this has."""

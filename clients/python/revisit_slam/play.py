@@ -141,9 +141,7 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
             names=chosen.names,
             progress=_progress(),
         )
-    if not run.seen:
-        raise source.nothing()
-    for told in source.left_out.told():
+    for told in (*source.checked().left_out.told(), *(truth.left_out.told() if truth is not None else ())):
         print(f"revisit-play: {told}", file=sys.stderr)
     if chosen.report:
         from .pixels.report import report

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..left_out import LeftOut, Unreadable
+from ..left_out import LeftOut
 from .detections import detection
 from .features import Features
 from .frames import View
@@ -37,11 +36,10 @@ class Bodies:
     def of(self, index: int, tracked: Tracked, view: View, signs: list[Sign]) -> dict[str, Any]:
         """Return the body of the keyframe of the `index`-th photograph."""
         frame, options, pose = tracked.frame, self._options, tracked.session_from_camera
-        try:
-            ranges = Ranges(frame, tracked.camera, options.letter_height_m)
-        except Unreadable as error:
-            self._left_out.add(error.name, f"{error.why}; no distances are measured by it")
-            ranges = Ranges(replace(frame, depth=None), tracked.camera, options.letter_height_m)
+        depths_m = None
+        with self._left_out.part("; no distances are measured by it"):
+            depths_m = frame.depths_m(tracked.camera)
+        ranges = Ranges(frame, tracked.camera, options.letter_height_m, depths_m)
         # Where photographs carry no time that can be trusted: one a second, in order.
         stamp_ns = frame.stamp_ns if frame.stamp_ns is not None else (index + 1) * SECOND_NS
         body: dict[str, Any] = {

@@ -14,16 +14,15 @@ import numpy as np
 from ..errors import RevisitError
 from ..left_out import LeftOut, Unreadable
 from .camera import Calibration, Camera
-from .decoding import HEIC_NEEDS, decoded, pillow_heif, read_bytes
+from .decoding import decoded, read_bytes
 from .ids import ids_of
-from .turn import UPRIGHT, Turn
+from .turn import Turn
 
-SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
-HEIC_SUFFIXES = {".heic", ".heif", ".hif"}
+SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff", ".heic", ".heif", ".hif"}
 # Pictures of cameras and of other programs that are not read here.
-OTHER_SUFFIXES = {*".gif .jp2 .j2k .jxl .avif .psd .svg .dng .raw .cr2 .cr3 .nef .arw .orf .rw2 .raf .pef .srw .x3f".split()}
-# Folders of systems, which hold pictures that nobody took; hidden ones begin with a dot.
-SYSTEMS_FOLDERS = {"__MACOSX", "@eaDir", "$RECYCLE.BIN"}
+OTHERS = {*".gif .jp2 .j2k .jxl .avif .psd .svg .dng .raw .cr2 .cr3 .nef .arw .orf .rw2 .raf .pef .srw .x3f".split()}
+# How hidden files and systems' own folders begin, which hold pictures that nobody took.
+HIDDEN = (".", "__MACOSX", "@eaDir", "$RECYCLE.BIN")
 
 
 class View(NamedTuple):
@@ -51,13 +50,6 @@ class DepthImage:
 
     path: Path
     metres_per_unit: float
-
-    def units(self) -> np.ndarray:
-        """Return what its pixels say."""
-        image = decoded(read_bytes(self.path, self.path), cv2.IMREAD_UNCHANGED, self.path)
-        if image.ndim != 2 or image.dtype != np.uint16:
-            raise Unreadable(self.path, "not a depth image of 16 bits")
-        return image
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +83,7 @@ class Frame:
             Unreadable: It cannot be read.
         """
         data, known = read_bytes(self.path, self.shown), self.calibration
-        image, turn = decoded(data, cv2.IMREAD_COLOR, self.shown), UPRIGHT
+        image, turn = decoded(data, cv2.IMREAD_COLOR, self.shown), Turn()
         if known is None:
             return View(data, image, turn)
         if known.size is not None:
@@ -99,25 +91,25 @@ class Frame:
             # A model is mostly of the pixels as they are stored, however the camera was held.
             if stored.shape[1::-1] == known.size:
                 image, turn = stored, Turn.between(stored, image)
-        done = (repr(known) if known.distorts else "") + (repr(turn) if turn != UPRIGHT else "")
+        done = (repr(known) if known.distorts else "") + (repr(turn) if any(turn) else "")
         return View(data + done.encode(), known.undistorted(image), turn)
 
     def picture(self) -> tuple[bytes, np.ndarray]:
         """Return a view's key and its pixels."""
         return self.view()[:2]
 
-    def camera(self, image: np.ndarray, focal_px: float | None) -> Camera:
-        """Return the camera of the undistorted picture."""
-        return Camera.of(image, focal_px) if self.calibration is None else self.calibration.camera(image, self.shown)
-
-    def depths_m(self, camera: Camera) -> np.ndarray | None:
-        """Return depths along the optical axis, pixel for pixel of the undistorted picture; 0 where none was measured."""
-        if self.depth is None:
+    def depths_m(self, camera: Camera | None) -> np.ndarray | None:
+        """Return depths along the optical axis, pixel for pixel of the undistorted picture (if it is given); 0: not measured."""
+        # Seen from a camera whose way nobody knows, a measured distance would place one sign in many places.
+        if self.depth is None or self.session_from_camera is None:
             return None
-        image = self.depth.units()
-        if image.shape != (camera.height, camera.width):
+        path = self.depth.path
+        image = decoded(read_bytes(path, path), cv2.IMREAD_UNCHANGED, path)
+        if image.ndim != 2 or image.dtype != np.uint16:
+            raise Unreadable(path, "not a depth image of 16 bits")
+        if camera is not None and image.shape != (camera.height, camera.width):
             sizes = f"{image.shape[1]} x {image.shape[0]}, but its picture is {camera.width} x {camera.height}"
-            raise Unreadable(self.depth.path, f"a depth image of {sizes}")
+            raise Unreadable(path, f"a depth image of {sizes}")
         if self.calibration is not None:
             # A depth between that of two surfaces would be that of neither.
             image = self.calibration.undistorted(image, cv2.INTER_NEAREST)
@@ -127,28 +119,23 @@ class Frame:
 def readable(frames: Iterable[Frame], focal_px: float | None, left_out: LeftOut) -> Iterator[tuple[int, Frame, View, Camera]]:
     """Yield the photographs that can be read, each with its number among all and its camera."""
     for index, frame in enumerate(frames):
-        try:
-            view = frame.view()
-            camera = frame.camera(view.image, focal_px)
-        except Unreadable as error:
-            left_out.add(error.name, error.why)
-            continue
-        yield index, frame, view, camera
+        with left_out.part():
+            view, known = frame.view(), frame.calibration
+            camera = Camera.of(view.image, focal_px) if known is None else known.camera(view.image, frame.shown)
+            yield index, frame, view, camera
 
 
 def list_frames(folder: Path, left_out: LeftOut | None = None) -> list[Frame]:
     """Return the photographs below `folder`, by folder, video and number; hidden files are none."""
     if not folder.is_dir():
         raise RevisitError(f"{folder}: no such folder")
-    paths, left_out, heic = [], left_out or LeftOut(), HEIC_SUFFIXES if pillow_heif() is not None else set()
-    for path in sorted(folder.rglob("*")):
-        suffix, parts = path.suffix.lower(), path.relative_to(folder).parts
-        if SYSTEMS_FOLDERS.intersection(parts) or any(part.startswith(".") for part in parts) or not path.is_file():
-            continue
-        if suffix in SUFFIXES | heic:
-            paths.append(path)
-        elif suffix in HEIC_SUFFIXES | OTHER_SUFFIXES:
-            left_out.add(path, HEIC_NEEDS if suffix in HEIC_SUFFIXES else f"{suffix} is not read here: save it as JPEG or PNG")
+    left_out = LeftOut() if left_out is None else left_out
+    found = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES | OTHERS and path.is_file())
+    found = [path for path in found if not any(part.startswith(HIDDEN) for part in path.relative_to(folder).parts)]
+    for path in found:
+        if path.suffix.lower() in OTHERS:
+            left_out.add(path, f"{path.suffix.lower()} is not read here: save it as JPEG or PNG")
+    paths = [path for path in found if path not in left_out]
     if not paths:
         raise RevisitError("; ".join((f"{folder}: no photographs in it ({', '.join(sorted(SUFFIXES))})", *left_out.told())))
     return frames_of(paths, folder)

@@ -53,12 +53,12 @@ def keyframes(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> I
     recent: deque[tuple[str, list[Line], list[Sign], np.ndarray]] = deque(maxlen=LOOK_BACK)
     for chosen, lines in _read(_choose(frames, options, left_out), options):
         tracked, turn = chosen.tracked, chosen.view.turn
-        matrix = turn.stored_from_seen(tracked.camera.width, tracked.camera.height)
+        width, height = (tracked.camera.width, tracked.camera.height)[:: -1 if turn.transposed else 1]
+        matrix = turn.stored_from_seen(width, height)
         earlier = {id: (before, made, other) for id, before, made, other in recent}
         neighbours = []
         for before, made, other, found in ((*earlier[id], found) for id, found in tracked.overlaps if id in earlier):
             neighbours.append(Neighbour(before, made, found.between(np.linalg.inv(other), matrix)))
-        width, height = (tracked.camera.height, tracked.camera.width)[:: 1 if turn.transposed else -1]
         signs = judge(lines, replace(tracked.camera, width=width, height=height), neighbours)[:MAX_DETECTIONS]
         recent.append((tracked.frame.id, lines, signs, matrix))
         signs = [replace(sign, box=moved(sign.box, matrix)) for sign in signs]

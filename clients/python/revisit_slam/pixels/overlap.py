@@ -26,7 +26,7 @@ class Overlap:
     homography: np.ndarray | None
 
     def between(self, older: np.ndarray, newer: np.ndarray) -> Overlap:
-        """Return it between other pixels: `older` leads to those of the older picture, `newer` from those of the newer one."""
+        """Return it between other pixels: `older` leads to those of the older picture, `newer` from those of the newer."""
         return self if self.homography is None else replace(self, homography=older @ self.homography @ newer)
 
 

@@ -24,11 +24,10 @@ MAX_QUARTILE_RATIO = 1.3
 class Ranges:
     """Depths within one photograph, in the session's unit."""
 
-    def __init__(self, frame: Frame, camera: Camera, letter_height_m: float) -> None:
+    def __init__(self, frame: Frame, camera: Camera, letter_height_m: float, depths_m: np.ndarray | None = None) -> None:
         self._camera = camera
         self._letter_height_m = letter_height_m
-        # Seen from a camera whose way nobody knows, a measured distance would place one sign in many places.
-        self._image = frame.depths_m(camera) if frame.session_from_camera is not None else None
+        self._image = depths_m
         self._pixels, self._depths = np.zeros((0, 2)), np.zeros(0)
         if frame.landmarks is not None and frame.session_from_camera is not None and len(frame.landmarks.ids):
             camera_from_session = np.linalg.inv(frame.session_from_camera)

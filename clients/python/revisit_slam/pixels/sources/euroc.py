@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,10 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...files import numbered_rows_of, text_of
-from ...left_out import LeftOut
 from ..camera import Calibration
-from ..frames import Frame
-from ..ids import ids_of
-from ..trajectory import Trajectory
+from ..trajectory import Trajectory, read_tum
 from ...needed import needed
-from .source import Source, every, there
+from .source import Source, every, listed
 
 # The first of these that is there tells where the body was.
 GROUND_TRUTHS = ("state_groundtruth_estimate0", "mocap0", "vicon0")
@@ -27,48 +25,27 @@ def open_euroc(folder: Path, trajectory: Trajectory | None, every_s: float) -> S
     mav = folder / "mav0" if (folder / "mav0").is_dir() else folder
     camera = mav / "cam0"
     calibration, body_from_camera = _sensor(camera / "sensor.yaml")
-    left_out = LeftOut()
-    pictures = there(_pictures(camera, folder, left_out), left_out)
-    frames = every([replace(frame, calibration=calibration) for frame in pictures], every_s)
-    source = Source(frames, str(folder), left_out=left_out)
+    source = Source([], str(folder))
+    rows, known = numbered_rows_of(camera / "data.csv"), {"video": folder.resolve().name, "calibration": calibration}
+    pictures = listed(camera / "data.csv", camera / "data", "nanoseconds,file", rows, int, source.left_out)
+    source = replace(source, frames=every([replace(frame, **known) for frame in pictures], every_s))
     if trajectory is not None:
         return source.along(trajectory)
     for name in GROUND_TRUTHS:
         if (mav / name / "data.csv").exists():
-            return source.along(_ground_truth(mav / name, body_from_camera), f"the ground truth of {name}")
+            return source.along(*_ground_truth(mav / name, body_from_camera))
     return source
 
 
-def _pictures(camera: Path, folder: Path, left_out: LeftOut) -> list[Frame]:
-    frames = []
-    for number, row in numbered_rows_of(camera / "data.csv", "an EuRoC list of `nanoseconds,file`"):
-        try:
-            stamp_ns, path = int(row[0]), camera / "data" / row[1]
-        except (ValueError, IndexError):
-            left_out.add(f"{camera / 'data.csv'}, line {number}", "no row of `nanoseconds,file`")
-            continue
-        frames.append(Frame("", path, folder.resolve().name, number, stamp_ns))
-    ids = ids_of((frame.path for frame in frames), camera / "data")
-    frames = [replace(frame, id=ids[frame.path]) for frame in frames]
-    return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
-
-
-def _ground_truth(sensor: Path, body_from_camera: np.ndarray) -> Trajectory:
-    """Read `nanoseconds, x, y, z, qw, qx, qy, qz` of the sensor, and return where the camera was."""
-    sensor_from_body = np.eye(4)
+def _ground_truth(sensor: Path, body_from_camera: np.ndarray) -> tuple[Trajectory, str, np.ndarray]:
+    """Return where the sensor was, what that is, and where the camera sits on it."""
+    file, sensor_from_body = sensor / "data.csv", np.eye(4)
     if (sensor / "sensor.yaml").exists():
         sensor_from_body = np.linalg.inv(_transform(_yaml(sensor / "sensor.yaml"), sensor / "sensor.yaml"))
-    poses, left_out = [], LeftOut()
-    for number, row in numbered_rows_of(sensor / "data.csv", "an EuRoC ground truth"):
-        try:
-            stamp_ns, values = int(row[0]), np.array([float(value) for value in row[1:8]])
-            if len(values) != 7 or not np.isfinite(values).all() or np.linalg.norm(values[3:]) < 1e-6:
-                raise ValueError
-        except (ValueError, IndexError):
-            left_out.add(f"line {number}", "no pose of a time and seven numbers")
-            continue
-        poses.append((stamp_ns, values[:3], np.roll(values[3:], -1)))
-    return Trajectory(str(sensor / "data.csv"), poses, sensor_from_body @ body_from_camera, left_out=left_out)
+    # Their order of a quaternion is not that of files that name no columns.
+    if re.match(r"\W*[a-z]", text_of(file, "an EuRoC ground truth"), re.IGNORECASE) is None:
+        raise RevisitError(f"{file}: its first line must name the columns: #timestamp [ns], p_x [m], .., q_w, q_x, q_y, q_z")
+    return read_tum(file), f"the ground truth of {sensor.name}", sensor_from_body @ body_from_camera
 
 
 def _sensor(path: Path) -> tuple[Calibration, np.ndarray]:

@@ -10,7 +10,7 @@ from ...arguments import EVERY_S, terms
 from ..camera import FOCAL_SHARE, Calibration
 from ..frames import Frame
 from ..trajectory import Trajectory, read_tum
-from .bag import Topics, open_bag
+from .bag import open_bag
 from .colmap import open_colmap
 from .euroc import open_euroc
 from .images import open_images
@@ -35,16 +35,15 @@ def open_source(chosen: argparse.Namespace, work: Path) -> Source:
         if first.setdefault(frame.id, frame) is not frame:
             source.left_out.add(f"{frame.shown}, line {frame.number}", "listed twice")
     frames = list(first.values())
-    if not frames:
-        raise source.nothing()
+    replace(source, frames=frames).checked()
     if chosen.command in PICKING:
         frames = [replace(frame, number=number) for number, frame in enumerate(frames, 1)]
         if chosen.every_s == EVERY_S:
-            source = source.assuming(f"a picture every {EVERY_S:g} s is enough (--every-s)")
+            source.assumed.append(f"a picture every {EVERY_S:g} s is enough (--every-s)")
     if frames[0].stamp_ns is None:
-        source = source.assuming("pictures are a second apart, in the order of their names")
+        source.assumed.append("pictures are a second apart, in the order of their names")
     if frames[0].calibration is None and not getattr(chosen, "focal_px", None):
-        source = source.assuming(f"a focal length of {FOCAL_SHARE:g} of the longer side (--calibration)")
+        source.assumed.append(f"a focal length of {FOCAL_SHARE:g} of the longer side (--calibration)")
     return replace(source, frames=frames)
 
 
@@ -63,5 +62,5 @@ def _opened(chosen: argparse.Namespace, work: Path) -> Source:
         return open_video(path, calibration, trajectory, chosen.every_s, work)
     if chosen.command == "tum":
         return open_tum(path, calibration, trajectory, chosen.every_s, chosen.depth_units_per_metre)
-    topics = Topics(chosen.image_topic, chosen.camera_info_topic, chosen.odometry_topic)
+    topics = {name: getattr(chosen, f"{name}_topic") for name in ("image", "camera_info", "odometry")}
     return open_bag(path, topics, calibration, trajectory, chosen.every_s, work)

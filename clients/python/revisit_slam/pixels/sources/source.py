@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
 
 from ...errors import RevisitError
 from ...left_out import LeftOut
 from ..frames import Frame
-from ..trajectory import MAX_GAP_NS, Trajectory
+from ..ids import ids_of
+from ..trajectory import Trajectory
 
 ROTATIONS = "rotations between overlapping pictures"
 
@@ -23,61 +28,70 @@ class Source:
     distances: str = "assumed"
     """Where the distances of signs come from."""
     metric: bool = True
-    assumed: tuple[str, ...] = ()
+    assumed: list[str] = field(default_factory=list)
     """What nobody told, and is taken for granted."""
     left_out: LeftOut = field(default_factory=LeftOut)
     """What is not played; playing adds to it."""
 
-    def assuming(self, *told: str) -> Source:
-        """Return it with more that is assumed."""
-        return replace(self, assumed=(*self.assumed, *told))
+    @property
+    def count(self) -> int:
+        """How many pictures can be read, as far as it was tried."""
+        return sum(frame.shown not in self.left_out for frame in self.frames)
+
+    def checked(self) -> Source:
+        """Return it; where nothing of it can be read that is an error."""
+        if not self.count:
+            raise RevisitError("; ".join((f"{self.title}: nothing to play", *self.left_out.told())))
+        return self
 
     def told(self) -> list[str]:
         """Return what is read, assumed and left out."""
-        count = sum(frame.shown not in self.left_out for frame in self.frames)
-        read = f"reads {count} pictures; poses: {self.poses}; distances of signs: {self.distances}"
+        read = f"reads {self.count} pictures; poses: {self.poses}; distances of signs: {self.distances}"
         return [read, *(f"assumed: {one}" for one in self.assumed), *self.left_out.told()]
 
     def summary(self) -> str:
         """Return it in one line."""
         return f"{self.title}: {'; '.join(self.told())}"
 
-    def nothing(self) -> RevisitError:
-        """Return the error that nothing of it can be played."""
-        return RevisitError("; ".join((f"{self.title}: nothing to play", *self.left_out.told())))
-
-    def along(self, trajectory: Trajectory, told: str | None = None) -> Source:
-        """Return it with the poses of a trajectory; frames that have none are left out.
-
-        Raises:
-            RevisitError: No frame has a pose.
-        """
-        kept = []
+    def along(self, trajectory: Trajectory, told: str | None = None, moving_from_camera: np.ndarray | None = None) -> Source:
+        """Return it with the poses of a trajectory, of the camera or of what it sits on; frames that have none are left out."""
+        kept, moving_from_camera = [], np.eye(4) if moving_from_camera is None else moving_from_camera
         self.left_out.add_all(trajectory.left_out, trajectory.name)
+        self.assumed.extend(trajectory.assumed)
+        stamps, (first, last) = [(frame.stamp_ns or 0) / 1e9 for frame in self.frames] or [0], trajectory.span_s
+        spans = f"poses from {first:.3f} to {last:.3f} s, photographs from {min(stamps):.3f} to {max(stamps):.3f} s"
         for frame in self.frames:
             pose = trajectory.at(frame.stamp_ns) if frame.stamp_ns is not None else None
-            if pose is not None:
-                kept.append(replace(frame, session_from_camera=pose))
+            if pose is None:
+                self.left_out.add(frame.shown, f"no pose near its time: {spans}")
             else:
-                self.left_out.add(frame.shown, "no pose near its time")
-        if self.frames and not kept:
-            stamps = [frame.stamp_ns / 1e9 for frame in self.frames if frame.stamp_ns is not None]
-            first, last = trajectory.span_s
-            raise RevisitError(
-                f"{trajectory.name}: no pose at the time of any photograph: poses from {first:.3f} to {last:.3f} s, "
-                f"photographs from {min(stamps):.3f} to {max(stamps):.3f} s; between poses more than "
-                f"{MAX_GAP_NS / 1e9:g} s apart none is made up"
-            )
-        return replace(self, frames=kept, poses=told or f"those of {trajectory.name}").assuming(*trajectory.assumed)
+                kept.append(replace(frame, session_from_camera=pose @ moving_from_camera))
+        return replace(self, frames=kept, poses=told or f"those of {trajectory.name}")
+
+
+def listed(
+    file: Path, folder: Path, form: str, rows: list[tuple[int, list[str]]], time_ns: Callable[[str], int], left_out: LeftOut
+) -> list[Frame]:
+    """Return the pictures in `folder` that a file lists, in order of time; bad rows are left out, and what is not there."""
+    frames = []
+    for number, row in rows:
+        try:
+            frames.append(Frame("", folder / row[1], "", number, time_ns(row[0])))
+        except (ValueError, IndexError):
+            left_out.add(f"{file}, line {number}", f"no row of `{form}`")
+    if rows and not frames:
+        raise RevisitError(f"{file}: no row of `{form}` in it")
+    ids = ids_of((frame.path for frame in frames), folder)
+    frames.sort(key=lambda frame: (frame.stamp_ns, frame.path))
+    return there([replace(frame, id=ids[frame.path]) for frame in frames], left_out)
 
 
 def there(frames: list[Frame], left_out: LeftOut) -> list[Frame]:
     """Return the frames whose files are there."""
-    found = {frame.path for frame in frames if frame.path.is_file()}
     for frame in frames:
-        if frame.path not in found:
+        if not frame.path.is_file():
             left_out.add(frame.shown, "listed, but no such file")
-    return [frame for frame in frames if frame.path in found]
+    return [frame for frame in frames if frame.shown not in left_out]
 
 
 def every(frames: list[Frame], every_s: float) -> list[Frame]:

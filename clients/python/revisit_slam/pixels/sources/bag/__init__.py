@@ -1,5 +1,5 @@
 """Bag: a ROS 2 recording (MCAP or SQLite), or a ROS 1 bag: pictures, their camera, and odometry."""
 
-from .bag import Topics, open_bag
+from .bag import open_bag
 
-__all__ = ["Topics", "open_bag"]
+__all__ = ["open_bag"]

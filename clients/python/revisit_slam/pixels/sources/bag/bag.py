@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ....errors import RevisitError
@@ -18,15 +18,9 @@ from .odometry import odometry_of
 from .pictures import frames_of, picture_topic
 
 SUFFIXES = (".mcap", ".db3", ".bag")
-
-
-@dataclass(frozen=True)
-class Topics:
-    """Topics that a person named; None: the one that there is."""
-
-    image: str | None = None
-    camera_info: str | None = None
-    odometry: str | None = None
+NOTHING = f"no recording in it (metadata.yaml, {', '.join(SUFFIXES)})"
+# Topics that a person may name; None: the only one.
+Topics = dict[str, str | None]
 
 
 def open_bag(
@@ -39,7 +33,17 @@ def open_bag(
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     # Recordings carry their messages' definitions, or have the standard ones.
     with told_of(file, "rosbags"), highlevel.AnyReader(_files(file), default_typestore=store) as reader:
-        return _source(Recording(file, reader), topics, calibration, trajectory, every_s, work)
+        source = Source([], str(file))
+        recording = Recording(file, reader, source.left_out)
+        topic, camera_frame = picture_topic(recording, topics["image"])
+        calibration = calibration or calibration_of(recording, topic, camera_frame, topics["camera_info"])
+        source = replace(source, frames=frames_of(recording, topic, calibration, every_s, work))
+        if trajectory is not None:
+            return source.along(trajectory)
+        trajectory, why = odometry_of(recording, topics["odometry"], camera_frame)
+        if trajectory is None:
+            return replace(source, poses=f"{ROTATIONS} ({why})")
+        return source.along(trajectory, f"odometry on {why}")
 
 
 def _files(path: Path) -> list[Path]:
@@ -47,30 +51,7 @@ def _files(path: Path) -> list[Path]:
     if path.is_file() or (path / "metadata.yaml").exists():
         return [path]
     found = sorted(file for file in path.iterdir() if file.suffix in SUFFIXES and not file.name.startswith("."))
-    if not found:
-        raise RevisitError(f"{path}: no recording in it (metadata.yaml, {', '.join(SUFFIXES)})")
-    if len({re.sub(r"_\d+$", "", file.stem) for file in found}) > 1:
-        raise RevisitError(f"{path}: several recordings and no metadata.yaml; name one: {', '.join(file.name for file in found)}")
-    return found
-
-
-def _source(
-    recording: Recording,
-    topics: Topics,
-    calibration: Calibration | None,
-    trajectory: Trajectory | None,
-    every_s: float,
-    work: Path,
-) -> Source:
-    topic, camera_frame = picture_topic(recording, topics.image)
-    calibration = calibration or calibration_of(recording, topic, camera_frame, topics.camera_info)
-    source = Source([], str(recording.file))
-    source = replace(source, frames=frames_of(recording, topic, calibration, every_s, work, source.left_out))
-    for name in sorted(recording.broken):
-        source.left_out.add(name, "a message that rosbags cannot read")
-    if trajectory is not None:
-        return source.along(trajectory)
-    trajectory, why = odometry_of(recording, topics.odometry, camera_frame)
-    if trajectory is None:
-        return replace(source, poses=f"{ROTATIONS} ({why})")
-    return source.along(trajectory, f"odometry on {why}")
+    if len({re.sub(r"_\d+$", "", file.stem) for file in found}) == 1:
+        return found
+    several = f"several recordings and no metadata.yaml; name one: {', '.join(file.name for file in found)}"
+    raise RevisitError(f"{path}: {several if found else NOTHING}")

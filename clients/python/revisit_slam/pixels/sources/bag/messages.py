@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ....errors import RevisitError
+from ....left_out import LeftOut
 
 SECOND_NS = 1_000_000_000
 MAX_TOLD = 12
@@ -15,22 +16,23 @@ MAX_TOLD = 12
 class Recording:
     """A recording that is open."""
 
-    def __init__(self, file: Path, reader: Any) -> None:
-        self.file, self._reader = file, reader
-        self.broken: set[str] = set()
+    def __init__(self, file: Path, reader: Any, left_out: LeftOut) -> None:
+        self.file, self._reader, self.left_out = file, reader, left_out
 
     def topics(self, *types: str) -> list[str]:
         """Return the topics of messages of these types."""
         return sorted({c.topic for c in self._reader.connections if c.msgtype in types})
 
     def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
-        """Yield the messages of a topic with their times in nanoseconds, in order of recording; broken ones are noted."""
+        """Yield the messages of a topic with their times in nanoseconds, in order of recording."""
         connections = [connection for connection in self._reader.connections if connection.topic == topic]
         for connection, logged_ns, data in self._reader.messages(connections):
             try:
                 message = self._reader.deserialize(data, connection.msgtype)
             except Exception:  # noqa: BLE001 - it raises whatever a damaged message leads to
-                self.broken.add(f"{topic} at {logged_ns} ns")
+                name = f"{topic} at {logged_ns} ns"
+                if name not in self.left_out:  # Topics are read more than once.
+                    self.left_out.add(name, "a message that rosbags cannot read")
                 continue
             header = getattr(message, "header", None)
             stamp_ns = header.stamp.sec * SECOND_NS + header.stamp.nanosec if header is not None else 0

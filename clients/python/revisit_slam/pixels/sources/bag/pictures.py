@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from ....errors import RevisitError
-from ....left_out import LeftOut, Unreadable
+from ....left_out import Unreadable
 from ...camera import Calibration
 from ...frames import Frame
 from ...ids import plain_id
@@ -21,22 +21,13 @@ IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
 # Each encoding's numbers a pixel, and its conversion to BGR. Names of 16 bits instead of 8 are read as well.
 ENCODINGS = {
-    "bgr8": (3, None),
-    "8UC3": (3, None),
-    "rgb8": (3, cv2.COLOR_RGB2BGR),
-    "bgra8": (4, cv2.COLOR_BGRA2BGR),
-    "rgba8": (4, cv2.COLOR_RGBA2BGR),
-    "mono8": (1, cv2.COLOR_GRAY2BGR),
-    "8UC1": (1, cv2.COLOR_GRAY2BGR),
-    "bayer_rggb8": (1, cv2.COLOR_BayerRGGB2BGR),
-    "bayer_bggr8": (1, cv2.COLOR_BayerBGGR2BGR),
-    "bayer_gbrg8": (1, cv2.COLOR_BayerGBRG2BGR),
-    "bayer_grbg8": (1, cv2.COLOR_BayerGRBG2BGR),
-    "yuv422": (2, cv2.COLOR_YUV2BGR_UYVY),
-    "uyvy": (2, cv2.COLOR_YUV2BGR_UYVY),
-    "yuv422_yuy2": (2, cv2.COLOR_YUV2BGR_YUY2),
-    "yuyv": (2, cv2.COLOR_YUV2BGR_YUY2),
-}
+    "bgr8": (3, None), "rgb8": (3, cv2.COLOR_RGB2BGR), "bgra8": (4, cv2.COLOR_BGRA2BGR), "rgba8": (4, cv2.COLOR_RGBA2BGR),
+    "mono8": (1, cv2.COLOR_GRAY2BGR), "8UC1": (1, cv2.COLOR_GRAY2BGR), "8UC3": (3, None),
+    "bayer_rggb8": (1, cv2.COLOR_BayerRGGB2BGR), "bayer_bggr8": (1, cv2.COLOR_BayerBGGR2BGR),
+    "bayer_gbrg8": (1, cv2.COLOR_BayerGBRG2BGR), "bayer_grbg8": (1, cv2.COLOR_BayerGRBG2BGR),
+    "yuv422": (2, cv2.COLOR_YUV2BGR_UYVY), "uyvy": (2, cv2.COLOR_YUV2BGR_UYVY),
+    "yuv422_yuy2": (2, cv2.COLOR_YUV2BGR_YUY2), "yuyv": (2, cv2.COLOR_YUV2BGR_YUY2),
+}  # fmt: skip
 # Names of topics whose pictures are depths.
 DEPTH_WORDS = ("depth", "disparity")
 
@@ -52,9 +43,7 @@ def picture_topic(recording: Recording, named: str | None) -> tuple[str, str]:
     return topic, first.header.frame_id
 
 
-def frames_of(
-    recording: Recording, topic: str, calibration: Calibration | None, every_s: float, work: Path, left_out: LeftOut
-) -> list[Frame]:
+def frames_of(recording: Recording, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> list[Frame]:
     """Return the pictures in order of time; they are kept in `work`."""
     file = recording.file
     frames: list[Frame] = []
@@ -62,13 +51,9 @@ def frames_of(
         if too_near(frames, stamp_ns, every_s):
             continue
         origin = f"{file}, picture {number} of {topic}"
-        try:
-            path = _save(message, work / f"{number:06}.jpg", origin)
-        except Unreadable as error:
-            left_out.add(error.name, error.why)
-            continue
-        name = plain_id(f"{file.stem}-{number:06}")
-        frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
+        with recording.left_out.part():
+            path, name = _save(message, work / f"{number:06}.jpg", origin), plain_id(f"{file.stem}-{number:06}")
+            frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
     return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
 
 
