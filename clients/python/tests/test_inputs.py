@@ -94,6 +94,8 @@ BAD = {
     "page.jpg": (b"<!DOCTYPE html><html>", "it is a web page"),
     "lfs.png": (b"version https://git-lfs.github.com/spec/v1\n", "`git lfs pull` fetches"),
     "text.jpg": (b"no picture", "not a picture that OpenCV reads"),
+    "pixel.png": (encoded(plates("")[:1, :1], "PNG"), "1 x 1 pixels, which show nothing"),
+    "line.png": (encoded(plates("")[:2], "PNG"), "640 x 2 pixels, which show nothing"),
     "film.gif": (b"GIF89a", ".gif is not read here: save it as JPEG or PNG"),
     "map.jp2": (b"\0\0\0\x0cjP", ".jp2 is not read here"),
     "raw.CR2": (b"II*\0", ".cr2 is not read here"),
@@ -114,7 +116,7 @@ def test_what_is_no_picture_is_left_out_with_its_reason_and_what_is_hidden_never
     assert sum(int(line.split("left out ")[1].split(":")[0]) for line in done.stderr.splitlines() if "left out" in line) == len(BAD)
     assert not any(name in done.stderr for name in HIDDEN)
     first = done.stdout.splitlines()[0]
-    assert first.startswith(f"{folder}: reads 7 pictures; poses: rotations") and "left out 1: .gif is not read here" in first
+    assert first.startswith(f"{folder}: reads 9 pictures; poses: rotations") and "left out 1: .gif is not read here" in first
     assert "assumed: a focal length of 0.75 of the longer side" in first and "assumed: pictures are a second apart" in first
     page = report.read_text()
     assert "left out 1: .gif is not read here" in page and page.index("reads 1 pictures") < page.index("<table>")
@@ -267,6 +269,7 @@ def test_the_unit_of_depth_images_is_told_with_what_it_makes_of_them(tum: Path, 
 def test_without_a_calibration_the_camera_of_the_benchmark_is_told(tum: Path) -> None:
     done = play("doctor", tum)
     assert done.returncode == 1 and "800 x 600 pixels, but the calibration is of 640 x 480" in done.stderr
+    assert "assumed: the benchmark's camera, 525,525,319.5,239.5 (--calibration)" in done.stderr
 
 
 def test_bad_lines_and_missing_pictures_of_a_tum_list_are_left_out(tum: Path, tmp_path: Path) -> None:

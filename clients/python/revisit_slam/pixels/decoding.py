@@ -11,6 +11,8 @@ from ..files import FIRST_BYTES, what_is
 from ..left_out import Unreadable
 
 JPEG, JPEG_END = b"\xff\xd8", b"\xff\xd9"
+# Features are not found in smaller or narrower pictures.
+MIN_SIDE_PX, MIN_SIDE_SHARE = 8, 0.01
 
 
 def read_bytes(path: Path, name: object) -> bytes:
@@ -27,6 +29,9 @@ def decoded(data: bytes, flags: int, name: object) -> np.ndarray:
     image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
     # Of a JPEG without an end some versions of OpenCV paint grey what is missing.
     if image is not None and not (data.startswith(JPEG) and JPEG_END not in data[len(data) // 2 :]):
+        height, width = image.shape[:2]
+        if min(width, height) < max(MIN_SIDE_PX, max(width, height) * MIN_SIDE_SHARE):
+            raise Unreadable(name, f"{width} x {height} pixels, which show nothing")
         return image
     if "HEIC" in told:
         return _heic(data, name)

@@ -41,13 +41,13 @@ class Source:
     def checked(self) -> Source:
         """Return it; where nothing of it can be read that is an error."""
         if not self.count:
-            raise RevisitError("; ".join((f"{self.title}: nothing to play", *self.left_out.told())))
+            raise RevisitError("; ".join((f"{self.title}: nothing to play", *self.told()[1:])))
         return self
 
     def told(self) -> list[str]:
         """Return what is read, assumed and left out."""
         read = f"reads {self.count} pictures; poses: {self.poses}; distances of signs: {self.distances}"
-        return [read, *(f"assumed: {one}" for one in self.assumed), *self.left_out.told()]
+        return [read, *self.left_out.told(), *(f"assumed: {one}" for one in self.assumed)]
 
     def summary(self) -> str:
         """Return it in one line."""
