@@ -21,7 +21,13 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     top = argparse.ArgumentParser(prog="revisit-play", description="Find the photographs that show the same place.")
     commands = top.add_subparsers(dest="command", required=True)
-    common, focal, camera, trajectory, every = _common(), _focal(), _camera(), _trajectory(), _every()
+    common, focal = _common(), _focal()
+    terms = "FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]"
+    camera = _option("--calibration", metavar=terms, help="the camera, as OpenCV writes it; pictures are undistorted")
+    lines = "poses of the camera: lines of `seconds x y z qx qy qz qw`"
+    trajectory = _option("--trajectory", type=Path, metavar="FILE", help=lines)
+    seconds = f"take a picture every so many seconds, 0: all [{EVERY_S}]"
+    every = _option("--every-s", type=float, metavar="S", default=EVERY_S, help=seconds)
 
     def plays(name: str, source: str, *options: argparse.ArgumentParser, **words: str) -> argparse.ArgumentParser:
         command = commands.add_parser(name, parents=[common, *options], **words)
@@ -161,51 +167,27 @@ def _focal() -> argparse.ArgumentParser:
     return _option("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
 
 
-def _camera() -> argparse.ArgumentParser:
-    terms = "FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]"
-    return _option("--calibration", metavar=terms, help="the camera, as OpenCV writes it; pictures are undistorted")
-
-
-def _trajectory() -> argparse.ArgumentParser:
-    lines = "poses of the camera: lines of `seconds x y z qx qy qz qw`"
-    return _option("--trajectory", type=Path, metavar="FILE", help=lines)
-
-
-def _every() -> argparse.ArgumentParser:
-    told = f"take a picture every so many seconds, 0: all [{EVERY_S}]"
-    return _option("--every-s", type=float, metavar="S", default=EVERY_S, help=told)
-
-
-def check_common(chosen: argparse.Namespace) -> None:
-    """Refuse values that no command can mean."""
-    if chosen.threads < 1:
+def check(chosen: argparse.Namespace) -> None:
+    """Refuse what cannot be meant, whatever the command, before anything is done."""
+    given = vars(chosen).get
+    if given("threads", 1) < 1:
         raise RevisitError(f"--threads {chosen.threads}: at least 1")
-    check_numbers(chosen)
-
-
-def check_numbers(chosen: argparse.Namespace) -> None:
-    """Refuse lengths that are none."""
     for name in ("focal_px", "letter_height_m", "metres_per_unit", "depth_units_per_metre"):
-        value = getattr(chosen, name, None)
+        value = given(name)
         if value is not None and not 0 < value < 1e6:
             raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")
-
-
-def check(chosen: argparse.Namespace) -> None:
-    """Refuse what cannot be meant, before anything is done."""
-    check_common(chosen)
-    if not ID.fullmatch(chosen.map):
+    if not ID.fullmatch(given("map", "photographs")):
         raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
-    if not 0 <= getattr(chosen, "every_s", 0.0) < 1e6:
+    if not 0 <= given("every_s", 0.0) < 1e6:
         raise RevisitError(f"--every-s {chosen.every_s}: seconds, not below 0")
-    if getattr(chosen, "focal_px", None) and chosen.calibration:
+    if given("focal_px") and given("calibration"):
         raise RevisitError("--focal-px: --calibration tells it")
-    if chosen.no_query and not chosen.output:
+    if given("no_query") and not chosen.output:
         raise RevisitError("--no-query: without -o FILE nothing would come of it")
-    if chosen.no_query and (chosen.server or chosen.report):
+    if given("no_query") and (chosen.server or chosen.report):
         raise RevisitError("--no-query: neither --server nor --report goes with it")
     for name in ("report", "output"):
-        path = getattr(chosen, name)
+        path = given(name)
         if path is not None and not path.absolute().parent.is_dir():
             raise RevisitError(f"--{name} {path}: no folder {path.absolute().parent}")
         if path is not None and path.is_dir():

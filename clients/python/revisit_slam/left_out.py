@@ -53,9 +53,9 @@ class LeftOut:
 
     def told(self) -> list[str]:
         """Return a line for each reason."""
-        return [f"left out {names.total()}: {why}: {_shown(list(names))}" for why, names in self._reasons.items()]
+        return [f"left out {names.total()}: {why}: {shown(list(names))}" for why, names in self._reasons.items()]
 
 
-def _shown(names: list[str]) -> str:
-    more = f" and {len(names) - SHOWN_MAX} more" if len(names) > SHOWN_MAX else ""
-    return ", ".join(names[:SHOWN_MAX]) + more
+def shown(names: list[str], most: int = SHOWN_MAX) -> str:
+    """Return the first of many names."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from .arguments import ID, check, check_common, check_numbers, parser
+from .arguments import check, parser
 from .client import Client
 from .errors import RevisitError
 from .needed import needed
+from .problems import found
 from .retries import Retries
 from .server import Server
 
@@ -29,6 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
+        check(chosen)
         commands = {"sample": _sample, "locate": _locate, "plan": _plan, "import": _import, "doctor": _doctor}
         return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
@@ -47,7 +49,7 @@ def _stop(*_: object) -> None:
 
 def _sample(chosen: argparse.Namespace) -> int:
     _need_pixels()
-    from .sample import draw
+    from .sample.building import draw
 
     count = draw(chosen.folder)
     print(f"{count} photographs and truth.csv in {chosen.folder}; now: "
@@ -58,20 +60,13 @@ def _sample(chosen: argparse.Namespace) -> int:
 def _plan(chosen: argparse.Namespace) -> int:
     from .plans.command import play_plans
 
-    if not ID.fullmatch(chosen.map):
-        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
     return play_plans(chosen)
 
 
 def _import(chosen: argparse.Namespace) -> int:
     from .imports.arguments import check_import
 
-    check_numbers(chosen)
-    wrong = check_import(chosen)
-    if wrong is not None:
-        raise RevisitError(wrong)
-    if not ID.fullmatch(chosen.map):
-        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+    check_import(chosen)
     needed("numpy")
     from .imports.command import play_import
 
@@ -87,7 +82,6 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
 def _locate(chosen: argparse.Namespace) -> int:
     _need_pixels()
-    check_common(chosen)
     from .pixels.locate.command import locate
 
     return locate(chosen)
@@ -95,7 +89,6 @@ def _locate(chosen: argparse.Namespace) -> int:
 
 def _play(chosen: argparse.Namespace) -> int:
     _need_pixels()
-    check(chosen)
     from .pixels.sources.opening import open_source
 
     # Pictures out of films and bags are kept here for the run.
@@ -178,29 +171,17 @@ def _settings(pairs: list[str]) -> dict[str, Any]:
 
 def _refuse_used_map(url: str, key: str | None, map: str) -> None:
     """Keep two folders out of one map by mistake: ids of one would contradict those of the other."""
-    from .problems import ProblemError
-
-    try:
-        # A wrong address is told at once, not after the retries that a long run has.
-        with Client(url, key=key, retries=Retries(total_s=2.0)) as client:
-            count = client.get_map(map).keyframes
-    except ProblemError as problem:
-        if problem.status == 404:
-            return
-        raise
-    if count:
-        raise RevisitError(f"map {map} has {count} keyframes already: name another with --map, or delete it")
+    # A wrong address is told at once, not after the retries that a long run has.
+    with Client(url, key=key, retries=Retries(total_s=2.0)) as client:
+        used = found(client.get_map, map)
+    if used is not None and used.keyframes:
+        raise RevisitError(f"map {map} has {used.keyframes} keyframes already: name another with --map, or delete it")
 
 
 def _need_pixels() -> None:
-    try:
-        import cv2  # noqa: F401
-        import numpy  # noqa: F401
-        import onnxruntime  # noqa: F401
-        import rapidocr  # noqa: F401
-    except ImportError as error:
-        raise RevisitError(f"{error.name} is missing: install the package with its extra, revisit-slam[read]") from error
-    cv2.setNumThreads(1)  # Results must not depend on the number of cores.
+    for module in ("numpy", "onnxruntime", "rapidocr"):
+        needed(module, extra="read")
+    needed("cv2", extra="read").setNumThreads(1)  # Results must not depend on the number of cores.
 
 
 def _progress() -> Callable[[int, int, int], None] | None:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import httpx
 import msgspec
 
 from .errors import RevisitError
 from .models import Fault, Problem
 
-__all__ = ["ProblemError", "RevisitError", "ServerUnreachable", "problem_of", "retry_after"]
+__all__ = ["ProblemError", "RevisitError", "ServerUnreachable", "found", "problem_of", "retry_after"]
+
+Answer = TypeVar("Answer")
 
 
 class ServerUnreachable(RevisitError):
@@ -60,6 +65,16 @@ def problem_of(response: httpx.Response) -> ProblemError:
             request_id=response.headers.get("x-request-id", ""), errors=[],
         )  # fmt: skip
     return ProblemError(problem, retry_after(response))
+
+
+def found(ask: Callable[[str], Answer], id: str) -> Answer | None:
+    """Return the answer to a question about an id; None where the server has no such thing."""
+    try:
+        return ask(id)
+    except ProblemError as problem:
+        if problem.status == 404:
+            return None
+        raise
 
 
 def retry_after(response: httpx.Response) -> float | None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .client import Client
+from .imports import poses
 from .problems import RevisitError
 
 TASKS = ("LOOP_CLOSURE", "COMPUTE_GLOBAL_DES")
@@ -72,7 +73,7 @@ def LoopDetectorRevisit(base: type, output: type, client: Client, map: str, **op
             descriptors = np.ascontiguousarray(keyframe.des, dtype=np.uint8)
             columns = zip(np.asarray(keyframe.kps, dtype=float), keyframe.octaves, keyframe.angles, strict=True)
             keypoints = [[float(u), float(v), int(o)] + ([float(a)] if a >= 0 else []) for (u, v), o, a in columns]
-            body = {"session": self.session, "stamp": _stamp(seconds), "pose": _pose(matrix), "camera": self.camera, "features": {
+            body = {"session": self.session, "stamp": _stamp(seconds), "pose": poses.body(np.asarray(matrix, dtype=float)), "camera": self.camera, "features": {
                 "descriptor_bytes": int(descriptors.shape[1]), "keypoints": keypoints,
                 "descriptors": base64.b64encode(descriptors.tobytes()).decode()}}  # fmt: skip
             if self.words_of is not None:
@@ -84,12 +85,3 @@ def LoopDetectorRevisit(base: type, output: type, client: Client, map: str, **op
 
 def _stamp(seconds: float) -> dict[str, int]:
     return dict(zip(("sec", "nanosec"), divmod(round(seconds * 1e9), 1_000_000_000), strict=True))
-
-
-def _pose(map_from_camera: Any) -> dict[str, Any]:
-    m = np.asarray(map_from_camera, dtype=float)
-    # The eigenvector of this matrix is the rotation's quaternion, also where a half turn leaves other formulas nothing.
-    (a, b, c), (d, e, f), (g, h, i) = m[:3, :3]
-    k = [[a - e - i, b + d, c + g, h - f], [b + d, e - a - i, f + h, c - g], [c + g, f + h, i - a - e, d - b], [h - f, c - g, d - b, a + e + i]]
-    q = np.linalg.eigh(np.array(k))[1][:, -1]
-    return {"translation": dict(zip("xyz", m[:3, 3].tolist(), strict=True)), "rotation": dict(zip("xyzw", q.tolist(), strict=True))}

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections import deque
 from pathlib import Path
 from types import TracebackType
 
@@ -63,12 +64,7 @@ class Server:
             raise RevisitError(f"the server did not start: {(why or [first or 'it said nothing'])[-1]}")
         self.url = first.removeprefix(START_LINE)
         # What it prints later must not fill the pipe.
-        threading.Thread(target=self._drain, daemon=True).start()
-
-    def _drain(self) -> None:
-        assert self._process.stdout is not None
-        for _ in self._process.stdout:
-            pass
+        threading.Thread(target=deque, args=(self._process.stdout, 0), daemon=True).start()
 
     @property
     def pid(self) -> int:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from revisit_slam import Client, Server
-from revisit_slam.pyslam import LoopDetectorRevisit, _pose
+from revisit_slam.imports import poses
+from revisit_slam.pyslam import LoopDetectorRevisit
 
 CAMERA = {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480}
 
@@ -99,5 +100,5 @@ def test_a_matrix_becomes_its_quaternion() -> None:
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
-        found = np.array([_pose(turned)["rotation"][axis] for axis in "xyzw"])
+        found = np.array([poses.body(turned)["rotation"][axis] for axis in "xyzw"])
         assert abs(found @ q) == pytest.approx(1.0, abs=1e-9)

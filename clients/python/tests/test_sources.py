@@ -199,8 +199,8 @@ def test_a_model_of_pictures_held_upright_is_of_their_stored_pixels(cache: Path,
     exif[0x0112] = 6
     Image.fromarray(np.zeros((30, 40, 3), np.uint8)).save(turned, exif=exif)
     known = Calibration(30.0, 30.0, 20.0, 15.0, size=(40, 30))
-    assert Frame("t", turned, "", 1, calibration=known).picture()[1].shape == (30, 40, 3)
-    assert Frame("t", turned, "", 1).picture()[1].shape == (40, 30, 3)
+    assert Frame("t", turned, "", 1, calibration=known).view().image.shape == (30, 40, 3)
+    assert Frame("t", turned, "", 1).view().image.shape == (40, 30, 3)
 
 
 def test_a_fisheye_lens_without_terms_still_bends() -> None:

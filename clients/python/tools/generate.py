@@ -179,8 +179,7 @@ def method_source(path: str, verb: str, operation: dict[str, Any], models: Model
     head = f"    {prefix}def {name}({signature}) -> {hint}:\n"
     wait = "await " if prefix else ""
     call = ", ".join(arguments)
-    ret = f"        return {wait}self._call(Call({call}))\n" if hint != "Any" else f"        return {wait}self._call(Call({call}))\n"
-    return head + docstring(note, 8) + ret
+    return head + docstring(note, 8) + f"        return {wait}self._call(Call({call}))\n"
 
 
 def answer_of(operation: dict[str, Any]) -> tuple[str, str]:

@@ -15,7 +15,7 @@ from typing import Any
 
 from ..client import Client
 from ..models import BulkLine
-from ..problems import ProblemError, RevisitError
+from ..problems import ProblemError, RevisitError, found
 from ..sender import KeyframeSender, SenderStats
 from .inbox import Inbox
 from .loops import Loop, loop_of
@@ -120,12 +120,10 @@ class Bridge:
     def _make_map(self, settings: dict[str, Any]) -> None:
         while not self._closing.is_set():
             try:
-                self._client.get_map(self._map)
+                if found(self._client.get_map, self._map) is None:
+                    self._client.put_map(self._map, {"metric": True, "settings": settings})
                 return
             except ProblemError as problem:
-                if problem.status == 404:
-                    self._client.put_map(self._map, {"metric": True, "settings": settings})
-                    return
                 if problem.status not in (429, 503):
                     raise
             except RevisitError:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import base64
 from typing import Any
 
 import cv2
 import numpy as np
 
-from ..imports.observation import NO_POINT, Pinhole
+from ..imports.observation import NO_POINT
 from ..imports.poses import moved
 from ..pixels.features import features_of
+from ..pixels.pinhole import Pinhole
+from ..pixels.ranges import points_at
 from ..pixels.vocabulary import Vocabulary
 
 MAX_SENT_FEATURES = 500
@@ -31,26 +32,14 @@ class Describer:
         if not len(found):
             return {}
         kept = found.keypoints[:MAX_SENT_FEATURES]
-        body: dict[str, Any] = {
-            "bow": self._vocabulary.bag(found.descriptors),
-            "features": {
-                "descriptor_bytes": 32,
-                "descriptors": base64.b64encode(found.descriptors[:MAX_SENT_FEATURES].tobytes()).decode(),
-                "keypoints": [[float(np.float32(u)), float(np.float32(v)), int(o), float(np.float32(a))] for u, v, o, a in kept],
-            },
-        }
-        return body if depth_m is None else body | _points(body["features"], kept, depth_m, camera, map_from_camera, first_point)
-
-
-def _points(
-    features: dict[str, Any], kept: np.ndarray, depth_m: np.ndarray, camera: Pinhole, map_from_camera: np.ndarray, first_point: int
-) -> dict[str, Any]:
-    """Return the map point of each feature with a depth, and name it in the features."""
-    columns, rows = np.rint(kept[:, :2]).astype(int).T
-    inside = (columns >= 0) & (rows >= 0) & (columns < depth_m.shape[1]) & (rows < depth_m.shape[0])
-    depths = np.where(inside, depth_m[rows.clip(0, depth_m.shape[0] - 1), columns.clip(0, depth_m.shape[1] - 1)], 0.0)
-    rays = np.column_stack(((kept[:, 0] - camera.cx) / camera.fx, (kept[:, 1] - camera.cy) / camera.fy, np.ones(len(kept))))
-    known = np.flatnonzero(depths > 0)
-    features["map_points"] = [first_point + at if depth > 0 else NO_POINT for at, depth in enumerate(depths)]
-    positions = moved(map_from_camera, rays[known] * depths[known, None])
-    return {"map_points": {"ids": [first_point + int(at) for at in known], "positions": positions.tolist()}}
+        # In 32 bits each, so that they can be packed.
+        keypoints = [[float(np.float32(u)), float(np.float32(v)), int(o), float(np.float32(a))] for u, v, o, a in kept]
+        features = found.body(MAX_SENT_FEATURES) | {"keypoints": keypoints}
+        body: dict[str, Any] = {"bow": self._vocabulary.bag(found.descriptors), "features": features}
+        if depth_m is not None:
+            points = points_at(kept[:, :2], camera, depth_m)
+            is_known = np.isfinite(points[:, 2])
+            ids = np.where(is_known, first_point + np.arange(len(points)), NO_POINT)
+            features["map_points"] = ids.tolist()
+            body["map_points"] = {"ids": ids[is_known].tolist(), "positions": moved(map_from_camera, points[is_known]).tolist()}
+        return body

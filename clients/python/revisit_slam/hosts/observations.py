@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..imports.observation import Observation, Pinhole
+from ..imports.observation import Observation
 from ..imports.poses import inverse
-from ..imports.rtabmap.messages import pose_of
+from ..imports.rtabmap.messages import camera_of, pose_of
+from ..pixels.pinhole import Pinhole
 from .bridge import Bridge
 from .loops import Edge, Loop, Trust, edge_of
 from .pictures import depth_of, picture_of
@@ -91,12 +92,7 @@ class ObservationsBridge:
         return found
 
     def _camera_info(self, message: Any) -> None:
-        # The picture is undistorted: its camera is the projection.
-        p, k = message.p, message.k
-        fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] else (k[0], k[4], k[2], k[5])
-        if fx:
-            camera = Pinhole(float(fx), float(fy), float(cx), float(cy), int(message.width), int(message.height))
-            self._camera = camera.checked("CameraInfo")
+        self._camera = camera_of(message, "CameraInfo") or self._camera
 
     def _add(self, topic: str, message: Any) -> None:
         for moment_ns, found in self._together.add(topic, stamp_ns(message.header), message):

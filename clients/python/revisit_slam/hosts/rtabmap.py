@@ -195,5 +195,3 @@ class RtabmapBridge:
 def _has_moved(before: np.ndarray, after: np.ndarray) -> bool:
     turned = np.arccos(np.clip((np.trace(before[:3, :3].T @ after[:3, :3]) - 1) / 2, -1, 1))
     return bool(np.linalg.norm(after[:3, 3] - before[:3, 3]) > MOVED_M or turned > TURNED_RAD)
-
-

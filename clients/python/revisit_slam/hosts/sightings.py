@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..imports.limits import MAX_DETECTIONS
-from ..imports.observation import MAX_PIXEL, Pinhole
 from ..imports.poses import moved
+from ..pixels.pinhole import MAX_PIXEL, Pinhole
 from .pictures import crop
 
 MAX_CLASS, MAX_TEXT = 64, 4096
@@ -65,8 +65,8 @@ def _place(position: Any, box: list[float], camera: Pinhole, map_from_camera: np
     point = np.array([position.x, position.y, position.z], float)
     measured = bool(np.isfinite(point).all() and point[2] > 0)
     if not measured:
-        ray = np.array([((box[0] + box[2]) / 2 - camera.cx) / camera.fx, ((box[1] + box[3]) / 2 - camera.cy) / camera.fy, 1.0])
         # Along the ray, not the axis: turning the camera must not move the sign.
-        point = ray / np.linalg.norm(ray) * reading.assumed_distance_m
+        centre = np.array([[(box[0] + box[2]) / 2, (box[1] + box[3]) / 2]])
+        point = camera.bearings(centre)[0] * reading.assumed_distance_m
     place = {"position": [float(value) for value in moved(map_from_camera, point[None])[0]]}
     return place if measured else {**place, "range": "assumed"}

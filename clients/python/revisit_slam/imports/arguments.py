@@ -7,6 +7,10 @@ import re
 from pathlib import Path
 from typing import Any
 
+from ..errors import RevisitError
+
+# A keyframe's number comes after it, within the 128 characters of an id.
+MAX_SESSION = 100
 FORMS = ("auto", "colmap", "rtabmap", "stella", "mcap")
 
 
@@ -32,20 +36,12 @@ def add_import(commands: Any) -> None:
     add("--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the map; VALUE is JSON or a word")
 
 
-def check_import(chosen: argparse.Namespace) -> str | None:
-    """Return what cannot be meant, if anything is."""
+def check_import(chosen: argparse.Namespace) -> None:
+    """Refuse what cannot be meant of an import."""
     if chosen.session is not None and not re.fullmatch(rf"[A-Za-z0-9._:-]{{1,{MAX_SESSION}}}", chosen.session):
-        return f"--session {chosen.session}: 1 to {MAX_SESSION} letters, digits, dots, underscores, colons or hyphens"
+        letters = "letters, digits, dots, underscores, colons or hyphens"
+        raise RevisitError(f"--session {chosen.session}: 1 to {MAX_SESSION} {letters}")
     if chosen.output.absolute() == chosen.source.absolute():
-        return f"--output {chosen.output}: that is the file itself"
-    if not chosen.output.absolute().parent.is_dir():
-        return f"--output {chosen.output}: no folder {chosen.output.absolute().parent}"
-    if chosen.output.is_dir():
-        return f"--output {chosen.output}: a folder is there"
+        raise RevisitError(f"--output {chosen.output}: that is the file itself")
     if not chosen.source.exists():
-        return f"{chosen.source}: no such file"
-    return None
-
-
-# A keyframe's number comes after it, within the 128 characters of an id.
-MAX_SESSION = 100
+        raise RevisitError(f"{chosen.source}: no such file")

@@ -11,14 +11,14 @@ import numpy as np
 
 from ..errors import RevisitError
 from ..packing import packed
+from ..pixels.pinhole import MAX_PIXEL, Pinhole
 from .limits import MAX_COVISIBLE, MAX_DETECTIONS, MAX_FEATURES, MAX_OBSERVED_POINTS
 from .poses import body as pose_body
 
 SECOND_NS = 1_000_000_000
 NO_POINT = -1
-# What the server takes: seconds of the years that a calendar prints, pixels, levels of a pyramid.
+# What the server takes: seconds of the years that a calendar prints, levels of a pyramid.
 MAX_STAMP_NS = 253_402_300_799 * SECOND_NS
-MAX_PIXEL = 1e6
 MAX_OCTAVE = 63
 
 
@@ -26,30 +26,6 @@ def nanoseconds_of(seconds: float) -> int | None:
     """Return a time in nanoseconds; None where it is none that the server takes."""
     # Not `>`: a number that is none is above nothing.
     return round(seconds * SECOND_NS) if abs(seconds) <= MAX_STAMP_NS / SECOND_NS else None
-
-
-@dataclass(frozen=True)
-class Pinhole:
-    """An undistorted camera, in pixels, counted from the middle of the first pixel."""
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    width: int
-    height: int
-
-    def checked(self, where: str) -> Pinhole:
-        """Return it, or say what is wrong with it."""
-        lengths = all(1e-3 <= length <= MAX_PIXEL for length in (self.fx, self.fy))
-        sizes = all(0 < size <= MAX_PIXEL for size in (self.width, self.height))
-        if not lengths or not sizes or not all(abs(centre) <= MAX_PIXEL for centre in (self.cx, self.cy)):
-            raise RevisitError(f"{where}: no camera: {self.width} x {self.height}, focal lengths {self.fx:g}, {self.fy:g}")
-        return self
-
-    def body(self) -> dict[str, float]:
-        """Return it as the API takes it."""
-        return dict(vars(self))
 
 
 @dataclass(frozen=True, eq=False)

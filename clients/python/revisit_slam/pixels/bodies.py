@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import base64
 from typing import Any
 
 import numpy as np
 
 from ..left_out import LeftOut
 from .detections import detection
-from .features import Features
 from .frames import View
 from .global_descriptors import GlobalDescriptors
 from .options import Options
@@ -57,7 +55,7 @@ class Bodies:
         if signs:
             body["detections"] = [detection(sign, view, tracked.camera, pose, ranges, options.crops) for sign in signs]
         if options.features and len(tracked.features):
-            body["features"] = _features(tracked.features)
+            body["features"] = tracked.features.body(MAX_SENT_FEATURES)
             if frame.depth is not None and frame.session_from_camera is not None:
                 self._add_points(body, tracked, ranges)
         return body
@@ -80,26 +78,12 @@ class Bodies:
         """Add the map point of each feature that has a depth."""
         points = ranges.points(tracked.features.keypoints[:MAX_SENT_FEATURES, :2])
         pose = tracked.session_from_camera
-        ids, positions = [], []
-        body["features"]["map_points"] = named = []
-        for point in points:
-            if np.isnan(point[2]):
-                named.append(-1)
-                continue
-            named.append(self._next_point)
-            ids.append(self._next_point)
-            positions.append(_list(pose[:3, :3] @ point + pose[:3, 3]))
-            self._next_point += 1
-        body["map_points"] = {"ids": ids, "positions": positions}
-
-
-def _features(features: Features) -> dict[str, Any]:
-    kept = features.keypoints[:MAX_SENT_FEATURES]
-    return {
-        "descriptor_bytes": 32,
-        "descriptors": base64.b64encode(features.descriptors[:MAX_SENT_FEATURES].tobytes()).decode(),
-        "keypoints": [[round(float(u), 2), round(float(v), 2), int(o), round(float(a), 1)] for u, v, o, a in kept],
-    }
+        is_known = ~np.isnan(points[:, 2])
+        ids = np.where(is_known, self._next_point + np.cumsum(is_known) - 1, -1)
+        self._next_point += int(is_known.sum())
+        positions = [_list(pose[:3, :3] @ point + pose[:3, 3]) for point in points[is_known]]
+        body["features"]["map_points"] = ids.tolist()
+        body["map_points"] = {"ids": ids[is_known].tolist(), "positions": positions}
 
 
 def _list(point: np.ndarray) -> list[float]:

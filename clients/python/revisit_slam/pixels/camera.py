@@ -1,4 +1,4 @@
-"""Pinhole camera: calibrated, or guessed from the size of the photographs; and the distortion to take out of them."""
+"""Calibration: a pinhole, and the distortion to take out of its photographs."""
 
 from __future__ import annotations
 
@@ -11,53 +11,11 @@ import numpy as np
 
 from ..errors import RevisitError
 from ..left_out import Unreadable
+from .pinhole import Pinhole
 
-# A lens of 27 mm on 36 mm of film, the main camera of most phones.
-FOCAL_SHARE = 0.75
 # How many terms of distortion OpenCV takes; its fisheye model has four.
 TERMS = (0, 4, 5, 8, 12, 14)
 FISHEYE_TERMS = 4
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Undistorted pinhole: focal lengths, centre and size in pixels."""
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    width: int
-    height: int
-
-    @staticmethod
-    def of(image: np.ndarray, focal_px: float | None) -> Camera:
-        """Return the camera of a photograph; without a focal length a common one is assumed."""
-        height, width = image.shape[:2]
-        focal_px = focal_px or FOCAL_SHARE * max(width, height)
-        return Camera(focal_px, focal_px, width / 2, height / 2, width, height)
-
-    def body(self) -> dict[str, float]:
-        """Return it as the API writes it."""
-        return {
-            "fx": self.fx,
-            "fy": self.fy,
-            "cx": self.cx,
-            "cy": self.cy,
-            "width": self.width,
-            "height": self.height,
-        }
-
-    def rays(self, pixels: np.ndarray) -> np.ndarray:
-        """Return vectors to pixels (n x 2) whose z is 1, in the camera frame: x right, y down, z forward."""
-        return np.column_stack(
-            ((pixels[:, 0] - self.cx) / self.fx, (pixels[:, 1] - self.cy) / self.fy, np.ones(len(pixels)))
-        )
-
-    def bearings(self, pixels: np.ndarray) -> np.ndarray:
-        """Return unit vectors to pixels (n x 2) in the camera frame."""
-        rays = self.rays(pixels)
-        return rays / np.linalg.norm(rays, axis=1, keepdims=True)
 
 
 @dataclass(frozen=True)
@@ -103,14 +61,14 @@ class Calibration:
         """Whether the pinhole alone would take another picture; a fisheye lens without any terms bends too."""
         return self.fisheye or any(self.distortion)
 
-    def camera(self, image: np.ndarray, name: object) -> Camera:
+    def camera(self, image: np.ndarray, name: object) -> Pinhole:
         """Return the camera of an undistorted picture; one that is none of that picture is an error that names it."""
         height, width = image.shape[:2]
         if not (0 <= self.cx <= width and 0 <= self.cy <= height):
             raise Unreadable(name, f"{width} x {height} pixels, but the camera's centre is at {self.cx:g}, {self.cy:g}")
         if self.size is not None and self.size != (width, height):
             raise Unreadable(name, f"{width} x {height} pixels, but the calibration is of {self.size[0]} x {self.size[1]}")
-        return Camera(self.fx, self.fy, self.cx, self.cy, width, height)
+        return Pinhole(self.fx, self.fy, self.cx, self.cy, width, height)
 
     def undistorted(self, image: np.ndarray, interpolation: int = cv2.INTER_LINEAR) -> np.ndarray:
         """Return the picture that the pinhole alone would have taken."""

@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from .camera import Camera
+from .pinhole import Pinhole
 from .frames import View
 from .ranges import Ranges
 from .signs import Sign
@@ -17,7 +17,7 @@ MAX_CROP_PX = 320
 
 
 def detection(
-    sign: Sign, view: View, camera: Camera, session_from_camera: np.ndarray, ranges: Ranges, crops: bool
+    sign: Sign, view: View, camera: Pinhole, session_from_camera: np.ndarray, ranges: Ranges, crops: bool
 ) -> dict[str, Any]:
     """Return a sign as a detection of the API; where its distance is a guess it says so."""
     x0, y0, x1, y1 = sign.box

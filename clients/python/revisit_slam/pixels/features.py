@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -22,14 +24,18 @@ class Features:
     def __len__(self) -> int:
         return len(self.keypoints)
 
+    def body(self, most: int | None = None) -> dict[str, Any]:
+        """Return the first of them as the API takes them."""
+        return {
+            "descriptor_bytes": self.descriptors.shape[1],
+            "descriptors": base64.b64encode(self.descriptors[:most].tobytes()).decode(),
+            "keypoints": [[round(float(u), 2), round(float(v), 2), int(o), round(float(a), 1)] for u, v, o, a in self.keypoints[:most]],
+        }
+
 
 def features_of(image: np.ndarray, max_features: int = MAX_FEATURES, working_side_px: int = WORKING_SIDE_PX) -> Features:
     """Return the ORB features of a photograph (BGR), strongest first."""
-    height, width = image.shape[:2]
-    scale = min(1.0, working_side_px / max(width, height))
-    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    if scale < 1.0:
-        grey = cv2.resize(grey, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
+    grey, scale = working(image, working_side_px)
     found, descriptors = cv2.ORB_create(nfeatures=max_features, fastThreshold=12).detectAndCompute(grey, None)
     if descriptors is None:
         return Features(np.zeros((0, 4)), np.zeros((0, 32), np.uint8))
@@ -37,3 +43,13 @@ def features_of(image: np.ndarray, max_features: int = MAX_FEATURES, working_sid
     # The detector's own order depends on its threads; ties are broken by place.
     order = np.lexsort((rows[:, 0], rows[:, 1], -rows[:, 4]))
     return Features(rows[order, :4], descriptors[order])
+
+
+def working(image: np.ndarray, side_px: int) -> tuple[np.ndarray, float]:
+    """Return a photograph (BGR) in grey with at most this longer side, and by what it was scaled."""
+    height, width = image.shape[:2]
+    scale = min(1.0, side_px / max(width, height))
+    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    if scale < 1.0:
+        grey = cv2.resize(grey, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
+    return grey, scale

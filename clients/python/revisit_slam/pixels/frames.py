@@ -13,9 +13,10 @@ import numpy as np
 
 from ..errors import RevisitError
 from ..left_out import LeftOut, Unreadable
-from .camera import Calibration, Camera
+from .camera import Calibration
 from .decoding import decoded, read_bytes
 from .ids import ids_of
+from .pinhole import Pinhole
 from .turn import Turn
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff", ".heic", ".heif", ".hif"}
@@ -94,11 +95,7 @@ class Frame:
         done = (repr(known) if known.distorts else "") + (repr(turn) if any(turn) else "")
         return View(data + done.encode(), known.undistorted(image), turn)
 
-    def picture(self) -> tuple[bytes, np.ndarray]:
-        """Return a view's key and its pixels."""
-        return self.view()[:2]
-
-    def depths_m(self, camera: Camera | None) -> np.ndarray | None:
+    def depths_m(self, camera: Pinhole | None) -> np.ndarray | None:
         """Return depths along the optical axis, pixel for pixel of the undistorted picture (if it is given); 0: not measured."""
         # Seen from a camera whose way nobody knows, a measured distance would place one sign in many places.
         if self.depth is None or self.session_from_camera is None:
@@ -116,12 +113,12 @@ class Frame:
         return image.astype(np.float64) * self.depth.metres_per_unit
 
 
-def readable(frames: Iterable[Frame], focal_px: float | None, left_out: LeftOut) -> Iterator[tuple[int, Frame, View, Camera]]:
+def readable(frames: Iterable[Frame], focal_px: float | None, left_out: LeftOut) -> Iterator[tuple[int, Frame, View, Pinhole]]:
     """Yield the photographs that can be read, each with its number among all and its camera."""
     for index, frame in enumerate(frames):
         with left_out.part():
             view, known = frame.view(), frame.calibration
-            camera = Camera.of(view.image, focal_px) if known is None else known.camera(view.image, frame.shown)
+            camera = Pinhole.of(view.image, focal_px) if known is None else known.camera(view.image, frame.shown)
             yield index, frame, view, camera
 
 

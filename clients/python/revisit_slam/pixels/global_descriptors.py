@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,25 +14,13 @@ from ..errors import RevisitError
 MODELS = ("ppocr-det",)
 
 
-@dataclass(frozen=True)
-class _Network:
-    """A network, its file, and the inner result that is a descriptor's source."""
-
-    model: str
-    file: str
-    sha256: str
-    # 192 channels at a sixteenth of the image, after the third of the backbone's four stages.
-    result: str
-
-
 # The detector of PP-OCRv6 (small), by PaddlePaddle; Apache-2.0, converted to ONNX inside rapidocr's wheel, Apache-2.0 too. It
 # was trained to find text. What its backbone knows of walls and doors is a by-product, so it is no place recognition network.
-_PPOCR = _Network(
-    model="ppocrv6-det-small-s16-1",
-    file="PP-OCRv6_det_small.onnx",
-    sha256="090f04abcd9d9a7498bc4ebf677e4cb9bdce1fe4197ddb7e529f1ef44e1ff94f",
-    result="p2o.pd_op.add.50.0",
-)
+MODEL = "ppocrv6-det-small-s16-1"
+FILE = "PP-OCRv6_det_small.onnx"
+SHA256 = "090f04abcd9d9a7498bc4ebf677e4cb9bdce1fe4197ddb7e529f1ef44e1ff94f"
+# The inner result that is a descriptor's source: 192 channels at a sixteenth of the image, after the third of four stages.
+RESULT = "p2o.pd_op.add.50.0"
 # Width and height of the image that the network sees; multiples of 32.
 SIZE_PX = (320, 192)
 # Of the images that it was trained on.
@@ -53,13 +40,13 @@ class GlobalDescriptors:
         # Results must not depend on the number of cores.
         options.intra_op_num_threads = 1
         options.log_severity_level = 3
-        network = _with_result(_found(_PPOCR), _PPOCR.result)
+        network = _with_result(_found(), RESULT)
         self._session = onnxruntime.InferenceSession(network, options, providers=["CPUExecutionProvider"])
 
     def of(self, image: np.ndarray) -> dict[str, Any]:
         """Return the descriptor of `image` (BGR), as the API takes it."""
         data = self.numbers(image).tobytes()
-        return {"model": _PPOCR.model, "encoding": "int8", "data": base64.b64encode(data).decode()}
+        return {"model": MODEL, "encoding": "int8", "data": base64.b64encode(data).decode()}
 
     def numbers(self, image: np.ndarray) -> np.ndarray:
         """Return the descriptor's 384 signed bytes."""
@@ -67,22 +54,22 @@ class GlobalDescriptors:
 
         small = cv2.resize(image, SIZE_PX, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
         seen = ((small - _MEAN) / _DEVIATION).transpose(2, 0, 1)[None]
-        (channels,) = self._session.run([_PPOCR.result], {"x": seen})
+        (channels,) = self._session.run([RESULT], {"x": seen})
         channels = channels[0].astype(np.float64)
         vector = np.concatenate([channels.mean((1, 2)), channels.std((1, 2))])
         return np.rint(vector * (127 / max(np.abs(vector).max(), 1e-12))).astype(np.int8)
 
 
-def _found(network: _Network) -> bytes:
+def _found() -> bytes:
     import rapidocr
 
-    file = Path(rapidocr.__file__).parent / "models" / network.file
+    file = Path(rapidocr.__file__).parent / "models" / FILE
     try:
         data = file.read_bytes()
     except OSError as error:
-        raise RevisitError(f"--global: {network.file} is not in the installed rapidocr: {error.strerror}") from error
-    if hashlib.sha256(data).hexdigest() != network.sha256:
-        raise RevisitError(f"--global: the installed rapidocr has another {network.file}; its vectors could not be compared")
+        raise RevisitError(f"--global: {FILE} is not in the installed rapidocr: {error.strerror}") from error
+    if hashlib.sha256(data).hexdigest() != SHA256:
+        raise RevisitError(f"--global: the installed rapidocr has another {FILE}; its vectors could not be compared")
     return data
 
 

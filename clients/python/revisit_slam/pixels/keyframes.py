@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
-import queue
 from collections import deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..left_out import LeftOut
+from .ahead import ahead
 from .bodies import Bodies
 from .features import features_of
 from .frames import Frame, View, readable
@@ -51,7 +49,12 @@ def keyframes(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> I
     """
     bodies = Bodies(options, left_out)
     recent: deque[tuple[str, list[Line], list[Sign], np.ndarray]] = deque(maxlen=LOOK_BACK)
-    for chosen, lines in _read(_choose(frames, options, left_out), options):
+    reader = Reader(options.cache)
+
+    def read(one: _Chosen) -> tuple[_Chosen, list[Line]]:
+        return one, reader.read(one.view.key, one.view.turn.seen(one.view.image))
+
+    for chosen, lines in ahead(_choose(frames, options, left_out), read, options.threads):
         tracked, turn = chosen.tracked, chosen.view.turn
         width, height = (tracked.camera.width, tracked.camera.height)[:: -1 if turn.transposed else 1]
         matrix = turn.stored_from_seen(width, height)
@@ -75,30 +78,3 @@ def _choose(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> Ite
             continue
         tracker.keep(tracked)
         yield _Chosen(index, tracked, view)
-
-
-def _read(chosen: Iterator[_Chosen], options: Options) -> Iterator[tuple[_Chosen, list[Line]]]:
-    """Read ahead in threads. Each engine has one thread of its own, so that readings do not depend on their number."""
-    readers: queue.SimpleQueue[Reader] = queue.SimpleQueue()
-    for _ in range(options.threads):
-        readers.put(Reader(options.cache))
-
-    def read(one: _Chosen) -> list[Line]:
-        reader = readers.get()
-        try:
-            return reader.read(one.view.key, one.view.turn.seen(one.view.image))
-        finally:
-            readers.put(reader)
-
-    with ThreadPoolExecutor(options.threads) as pool:
-        ahead: deque[tuple[_Chosen, Future[list[Line]]]] = deque()
-        try:
-            for one in itertools.chain(chosen, [None]):
-                if one is not None:
-                    ahead.append((one, pool.submit(read, one)))
-                while ahead and (one is None or len(ahead) > 2 * options.threads):
-                    first, future = ahead.popleft()
-                    yield first, future.result()
-        finally:
-            for _, future in ahead:
-                future.cancel()

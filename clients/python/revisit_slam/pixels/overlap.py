@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from .camera import Camera
+from .pinhole import Pinhole
 from .features import Features
 
 RATIO = 0.8
@@ -33,7 +33,7 @@ class Overlap:
 NONE = Overlap(0, 0.0, np.eye(3), None)
 
 
-def overlap(newer: Features, older: Features, camera: Camera) -> Overlap:
+def overlap(newer: Features, older: Features, camera: Pinhole) -> Overlap:
     """Match two photographs of one camera."""
     pairs = _matches(newer.descriptors, older.descriptors)
     if len(pairs) < MIN_MATCHES:
@@ -74,7 +74,7 @@ def _rotation(here: np.ndarray, there: np.ndarray) -> np.ndarray:
     return u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
 
 
-def _share(homography: np.ndarray, camera: Camera) -> float:
+def _share(homography: np.ndarray, camera: Pinhole) -> float:
     """Return which share of a grid over the newer picture falls inside the older one."""
     xs, ys = np.meshgrid(np.linspace(0, camera.width, 9), np.linspace(0, camera.height, 7))
     points = np.column_stack((xs.ravel(), ys.ravel(), np.ones(xs.size))) @ homography.T

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -56,7 +57,7 @@ class Run:
             for candidate in seen.answer.candidates
             if candidate.verdict != "loop" and candidate.reason is not None and candidate.keyframe in self.seen
         ]
-        pairs.sort(key=lambda pair: (_rank(pair[1]), -_likeness(pair[1]), pair[0].frame.id, pair[1].keyframe))
+        pairs.sort(key=lambda pair: (not reads_another_name(pair[1]), -_likeness(pair[1]), pair[0].frame.id, pair[1].keyframe))
         chosen, taken = [], set()
         for seen, candidate in pairs:
             key = (seen.frame.video, self.seen[candidate.keyframe].frame.video)
@@ -67,17 +68,9 @@ class Run:
 
     def reasons(self) -> dict[str, int]:
         """Return how many queries ended for which reason, most first."""
-        counts: dict[str, int] = {}
-        for seen in self.seen.values():
-            if seen.answer is None or seen.answer.verdict == "loop":
-                continue
-            code = deciding_reason(seen.answer)
-            counts[code] = counts.get(code, 0) + 1
+        answers = [seen.answer for seen in self.seen.values() if seen.answer is not None]
+        counts = Counter(deciding_reason(answer) for answer in answers if answer.verdict != "loop")
         return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
-
-
-def _rank(candidate: Candidate) -> int:
-    return 0 if reads_another_name(candidate) else 1
 
 
 def _likeness(candidate: Candidate) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .camera import Camera
+from .pinhole import Pinhole
 from .frames import Frame
 
 # Letters of this height are assumed where nothing measures a distance; the server compares bearings only. What the
@@ -24,7 +24,7 @@ MAX_QUARTILE_RATIO = 1.3
 class Ranges:
     """Depths within one photograph, in the session's unit."""
 
-    def __init__(self, frame: Frame, camera: Camera, letter_height_m: float, depths_m: np.ndarray | None = None) -> None:
+    def __init__(self, frame: Frame, camera: Pinhole, letter_height_m: float, depths_m: np.ndarray | None = None) -> None:
         self._camera = camera
         self._letter_height_m = letter_height_m
         self._image = depths_m
@@ -57,14 +57,17 @@ class Ranges:
 
     def points(self, pixels: np.ndarray) -> np.ndarray:
         """Return camera-frame points (n x 3) at pixels of the depth image; NaN where there is no depth."""
-        if self._image is None or not len(pixels):
-            return np.full((len(pixels), 3), np.nan)
-        height, width = self._image.shape
-        column, row = np.round(pixels[:, 0]).astype(int), np.round(pixels[:, 1]).astype(int)
-        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        depths = np.zeros(len(pixels))
-        depths[inside] = self._image[row[inside], column[inside]]
-        return np.where(depths[:, None] > 0, self._camera.rays(pixels) * depths[:, None], np.nan)
+        return np.full((len(pixels), 3), np.nan) if self._image is None else points_at(pixels, self._camera, self._image)
+
+
+def points_at(pixels: np.ndarray, camera: Pinhole, depths_m: np.ndarray) -> np.ndarray:
+    """Return camera-frame points (n x 3) at pixels (n x 2) of a depth image; NaN where there is no depth."""
+    height, width = depths_m.shape
+    column, row = np.round(pixels).astype(int).T
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    depths = np.zeros(len(pixels))
+    depths[inside] = depths_m[row[inside], column[inside]]
+    return np.where(depths[:, None] > 0, camera.rays(pixels) * depths[:, None], np.nan)
 
 
 def _flat(depths: np.ndarray) -> float | None:

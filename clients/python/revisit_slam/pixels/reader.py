@@ -35,12 +35,12 @@ class Line:
 
 
 class Reader:
-    """A text reader with an optional cache, keyed by what decides a reading: the photograph's view and the reader's version."""
+    """A text reader for any threads, with an optional cache, keyed by what decides a reading: the photograph's view and the reader's version."""
 
-    def __init__(self, cache: Path | None = None, threads: int = 1) -> None:
+    def __init__(self, cache: Path | None = None) -> None:
         self._cache = cache
-        self._threads = threads
-        self._engine = None
+        # Each thread has an engine of its own, so that readings do not depend on their number.
+        self._own = threading.local()
         if cache is not None:
             cache.mkdir(parents=True, exist_ok=True)
 
@@ -94,17 +94,17 @@ class Reader:
         return read.txts[0].strip(), round(float(read.scores[0]), 4)
 
     def _load(self):  # type: ignore[no-untyped-def]
-        if self._engine is None:
+        if not hasattr(self._own, "engine"):
             from rapidocr import RapidOCR
 
-            self._engine = RapidOCR(
+            self._own.engine = RapidOCR(
                 params={
-                    "EngineConfig.onnxruntime.intra_op_num_threads": self._threads,
+                    "EngineConfig.onnxruntime.intra_op_num_threads": 1,
                     "EngineConfig.onnxruntime.inter_op_num_threads": 1,
                     "Global.log_level": "error",
                 }
             )
-        return self._engine
+        return self._own.engine
 
 
 def _rounded(box: tuple[float, ...]) -> tuple[float, float, float, float]:

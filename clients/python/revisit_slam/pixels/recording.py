@@ -41,6 +41,10 @@ class Recording:
             line["truth"], line["ignore"] = truth
         self._write(line)
 
+    def anchor(self, id: str, body: dict[str, Any]) -> None:
+        """Write a prior anchor."""
+        self._write({"op": "anchor", "id": id, "body": body})
+
     def loop(self, body: dict[str, Any]) -> None:
         """Write a loop that was closed."""
         self._write({"op": "loop", "body": body})

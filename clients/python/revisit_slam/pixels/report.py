@@ -114,7 +114,7 @@ def _pair(run: Run, truth: Truth | None, seen: Seen, candidate: Candidate) -> st
 
 def _picture(run: Run, seen: Seen, side: Side) -> str:
     try:
-        _, image = seen.frame.picture()
+        image = seen.frame.view().image
     except RevisitError:
         return f"<figure><figcaption>{escape(seen.frame.id)}: its picture is gone</figcaption></figure>"
     height, width = image.shape[:2]

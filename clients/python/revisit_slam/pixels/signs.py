@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from .camera import Camera
+from .pinhole import Pinhole
 from .overlap import Overlap
 from .reader import Line
 
@@ -62,7 +62,7 @@ class Neighbour:
     found: Overlap
 
 
-def judge(lines: Sequence[Line], camera: Camera, neighbours: Sequence[Neighbour]) -> list[Sign]:
+def judge(lines: Sequence[Line], camera: Pinhole, neighbours: Sequence[Neighbour]) -> list[Sign]:
     """Return the signs of a photograph."""
     signs = []
     for line in lines:
@@ -154,7 +154,7 @@ def _same_place(box: tuple[float, float, float, float], others: Sequence[Boxed],
     return None
 
 
-def _cut(box: tuple[float, float, float, float], camera: Camera) -> bool:
+def _cut(box: tuple[float, float, float, float], camera: Pinhole) -> bool:
     x0, y0, x1, y1 = box
     margin = CUT_SHARE * min(y1 - y0, x1 - x0)
     return x0 < margin or y0 < margin or x1 > camera.width - margin or y1 > camera.height - margin

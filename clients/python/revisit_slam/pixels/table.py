@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..models import Candidate
-from .columns import columns
 from .player import Run, Seen
 from .truth import Truth
 
@@ -52,3 +53,11 @@ def mark(truth: Truth | None, seen: Seen, best: Candidate) -> str:
     if truth.right(seen.frame.id, best.keyframe):
         return "right"
     return "near" if truth.same_floor(seen.frame.id, best.keyframe) else "WRONG"
+
+
+def columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return lines of cells under a head, each column as wide as its widest cell."""
+    widths = [max(len(row[column]) for row in [head, *rows]) for column in range(len(head))]
+    return [
+        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths) if width).rstrip() for row in [head, *rows]
+    ]

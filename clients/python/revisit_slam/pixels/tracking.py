@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .camera import Camera
+from .pinhole import Pinhole
 from .features import Features
 from .frames import Frame
 from .overlap import Overlap, overlap
@@ -28,7 +28,7 @@ class Tracked:
 
     frame: Frame
     features: Features
-    camera: Camera
+    camera: Pinhole
     session: str
     session_from_camera: np.ndarray
     """4 x 4."""
@@ -43,7 +43,7 @@ class Tracker:
         self._recent: deque[Tracked] = deque(maxlen=LOOK_BACK)
         self._sessions: dict[str, int] = {}
 
-    def look(self, frame: Frame, features: Features, camera: Camera) -> Tracked:
+    def look(self, frame: Frame, features: Features, camera: Pinhole) -> Tracked:
         """Place a photograph; it counts as seen only once `keep` is called with the answer."""
         joined = []
         for older in reversed(self._recent):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import json
 import sys
-from pathlib import Path
+from collections import Counter
 from typing import Any
 
 from ..client import Client
 from ..errors import RevisitError
+from ..left_out import shown
+from ..pixels.recording import Recording
+from ..problems import found
 from .plan import Plan
 from .priors import frame, priors
 from .reading import read_plan
@@ -36,17 +37,19 @@ def play_plans(chosen: argparse.Namespace) -> int:
     if not lines:
         raise RevisitError("the plans show no signs")
     _warn_of_repeated(plans)
-    with contextlib.ExitStack() as stack:
-        if chosen.output:
-            _write(chosen.output, chosen.map, lines)
-            print(f"recording: {chosen.output}", file=sys.stderr)
-        if chosen.server:
-            client = stack.enter_context(Client(chosen.server, key=chosen.key))
-            if _is_missing(client, chosen.map):
+    if chosen.output:
+        with Recording(chosen.output) as recording:
+            recording.map(chosen.map, {"metric": True})
+            for name, body in lines:
+                recording.anchor(name, body)
+        print(f"recording: {chosen.output}", file=sys.stderr)
+    if chosen.server:
+        with Client(chosen.server, key=chosen.key) as client:
+            if found(client.get_map, chosen.map) is None:
                 client.put_map(chosen.map, {"metric": True})
             for name, body in lines:
                 client.put_prior_anchor(chosen.map, name, body)
-            print(f"{len(lines)} prior anchors in {chosen.map}")
+        print(f"{len(lines)} prior anchors in {chosen.map}")
     return 0
 
 
@@ -70,33 +73,7 @@ def _tell(plan: Plan) -> None:
 
 
 def _warn_of_repeated(plans: list[Plan]) -> None:
-    repeated = Plan("", [sign for plan in plans for sign in plan.signs]).repeated()
-    if not repeated:
-        return
-    shown = [f"{text} ({count})" for text, count in sorted(repeated.items(), key=lambda item: (-item[1], item[0]))]
-    more = f" and {len(shown) - SHOWN_MAX} more" if len(shown) > SHOWN_MAX else ""
-    print(
-        f"revisit-play: repeated names align nothing alone: {', '.join(shown[:SHOWN_MAX])}{more}",
-        file=sys.stderr,
-    )
-
-
-def _is_missing(client: Client, map: str) -> bool:
-    from ..problems import ProblemError
-
-    try:
-        client.get_map(map)
-    except ProblemError as problem:
-        if problem.status == 404:
-            return True
-        raise
-    return False
-
-
-def _write(path: Path, map: str, lines: list[tuple[str, dict[str, Any]]]) -> None:
-    written = [{"op": "map", "id": map, "body": {"metric": True}}]
-    written += [{"op": "anchor", "id": name, "body": body} for name, body in lines]
-    try:
-        path.write_text("".join(json.dumps(line, ensure_ascii=False) + "\n" for line in written), encoding="utf-8")
-    except OSError as error:
-        raise RevisitError(f"{path}: cannot be written: {error.strerror}") from error
+    counts = Counter(sign.text for plan in plans for sign in plan.signs)
+    repeated = [f"{text} ({count})" for text, count in sorted(counts.items(), key=lambda item: (-item[1], item[0])) if count > 1]
+    if repeated:
+        print(f"revisit-play: repeated names align nothing alone: {shown(repeated, SHOWN_MAX)}", file=sys.stderr)

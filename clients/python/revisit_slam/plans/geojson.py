@@ -12,7 +12,7 @@ from typing import Any
 
 from ..errors import RevisitError
 from ..files import not_a, text_of
-from .places import REPROJECT, centre, origin_of
+from .places import REPROJECT, centre, metres_of
 from .plan import Plan, Point, texts_by_language, words
 from .rooms import Room, add_rooms
 
@@ -44,7 +44,7 @@ def read_geojson(path: Path, level: str | None, language: str = "") -> Plan:
     language = _language(path, plan, features, language)
     names = _names(features, language)
     floors: dict[str, tuple[list[Room], list[Point]]] = {}
-    metres = origin_of((place for feature in features for place in feature["outline"]), plan.source)
+    metres = metres_of((place for feature in features for place in feature["outline"]), plan.source)
     for feature in features:
         outline, text = [metres(*place) for place in feature["outline"]], _first(feature, TEXTS, language)
         kinds = {words(feature.get(key)).lower() for key in KINDS}

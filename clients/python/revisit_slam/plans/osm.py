@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from ..errors import RevisitError
 from ..files import not_a, text_of
-from .places import origin_of
+from .places import metres_of
 from .plan import Plan, Point
 from .rooms import Room, add_rooms
 
@@ -34,7 +34,7 @@ def read_osm(path: Path, level: str | None, language: str = "") -> Plan:
             places |= {id: place} if abs(place[0]) <= 180 and abs(place[1]) <= 90 else {}
         except (KeyError, ValueError):
             plan.left_out.add(f"node {id}", "it has no place")
-    metres = origin_of(places.values(), plan.source)
+    metres = metres_of(places.values(), plan.source)
     floors: dict[str, tuple[list[Room], list[Point]]] = {}
     untold = 0
     for tags, refs in _shapes(root, plan):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from ..errors import RevisitError
 from .plan import Point
@@ -17,22 +17,10 @@ DOOR_NEAR_M = 0.6
 FAR_DEG = 0.1
 
 
-class LocalMetres:
-    """Metres east and north of an origin, as on a plane that touches the earth there; fine within a campus."""
+def metres_of(places: Iterable[Point], source: str) -> Callable[[float, float], Point]:
+    """Return what makes metres of longitude and latitude, east and north of the south-western corner of places in degrees.
 
-    def __init__(self, longitude: float, latitude: float) -> None:
-        """Take the origin in degrees."""
-        self._origin = (longitude, latitude)
-        self._east_m = math.radians(1) * EARTH_RADIUS_M * math.cos(math.radians(latitude))
-        self._north_m = math.radians(1) * EARTH_RADIUS_M
-
-    def __call__(self, longitude: float, latitude: float) -> Point:
-        """Return a place in metres."""
-        return (longitude - self._origin[0]) * self._east_m, (latitude - self._origin[1]) * self._north_m
-
-
-def origin_of(places: Iterable[Point], source: str) -> LocalMetres:
-    """Return the plane around the south-western corner of places in degrees, so that coordinates are positive.
+    They are metres as on a plane that touches the earth there, which is fine within a campus.
 
     Raises:
         RevisitError: They are no degrees.
@@ -44,7 +32,10 @@ def origin_of(places: Iterable[Point], source: str) -> LocalMetres:
         raise RevisitError(f"{source}: {told}: {REPROJECT}")
     # One place elsewhere, as at 0, 0, moves no other.
     near = [place for place in listed if math.dist(place, middle) < FAR_DEG] or listed
-    return LocalMetres(min(place[0] for place in near), min(place[1] for place in near))
+    west, south = min(place[0] for place in near), min(place[1] for place in near)
+    north_m = math.radians(1) * EARTH_RADIUS_M
+    east_m = north_m * math.cos(math.radians(south))
+    return lambda longitude, latitude: ((longitude - west) * east_m, (latitude - south) * north_m)
 
 
 def centre(outline: Sequence[Point]) -> Point:

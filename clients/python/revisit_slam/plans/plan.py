@@ -39,13 +39,6 @@ class Plan:
             by_level.setdefault(sign.level, []).append(sign)
         return by_level
 
-    def repeated(self) -> dict[str, int]:
-        """Return the texts that stand in more than one place, with their number: none of them aligns anything alone."""
-        counts: dict[str, int] = {}
-        for sign in self.signs:
-            counts[sign.text] = counts.get(sign.text, 0) + 1
-        return {text: count for text, count in counts.items() if count > 1}
-
 
 def words(value: Any, language: str = "") -> str:
     """Return what a property says: a text, a number, or of texts by language the one that is asked for, else the first."""

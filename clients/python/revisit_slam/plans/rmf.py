@@ -10,7 +10,8 @@ from typing import Any
 
 from ..errors import RevisitError
 from ..files import not_a, text_of
-from .places import origin_of
+from ..needed import needed
+from .places import metres_of
 from .plan import Plan, Point, Sign, words
 
 FORM = "a building map with levels"
@@ -22,10 +23,7 @@ ROBOT_PROPERTIES = ("is_charger", "spawn_robot_name", "is_cleaning_zone")
 
 def read_rmf(path: Path, level: str | None, language: str = "") -> Plan:
     """Read a building map: a sign at each named door and each named vertex, of one floor or of all."""
-    try:
-        import yaml
-    except ImportError as error:
-        raise RevisitError("building maps need PyYAML: pip install 'revisit-slam[plans]'") from error
+    yaml = needed("yaml", "pyyaml", "plans")
     try:
         building = yaml.safe_load(text_of(path, FORM))
         # A level may be called 1, which is a number there.
@@ -71,7 +69,7 @@ class _Floor:
             self._plan.assumed.append(f"level {self.name} has no measurement: another level's {scale:.4g} m a pixel are taken")
         at = lambda x, y: (x * scale, y * scale)  # noqa: E731
         if self._system in (MERCATOR, DEGREES):
-            at = origin_of((place for place, *_ in self._vertices.values()), self._plan.source)
+            at = metres_of((place for place, *_ in self._vertices.values()), self._plan.source)
         found = [*self._doors(), *self._named_vertices(), *self._lifts()]
         self._plan.signs += [Sign(self.name, text, at(*place)) for text, place in found]
 

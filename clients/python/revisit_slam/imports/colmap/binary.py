@@ -12,8 +12,8 @@ import numpy as np
 from ...errors import RevisitError
 from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
-from .cameras import parameter_count, pinhole
-from .entries import Camera, Image
+from .cameras import Camera, camera_of, parameter_count
+from .image import Image
 
 COUNT = struct.Struct("<Q")
 CAMERA = struct.Struct("<iiQQ")
@@ -37,7 +37,7 @@ class BinaryModel:
             id, model, width, height = file.unpack(CAMERA)
             params = file.read(8 * parameter_count(model, f"{file.path}: camera {id}"))
             with account.part(f"camera {id}") as where:
-                found[id] = Camera(*pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where))
+                found[id] = camera_of(model, width, height, list(np.frombuffer(params, "<f8")), where)
         return found
 
     def points(self) -> Iterator[tuple[int, float, float, float]]:

@@ -22,7 +22,7 @@ from ..observation import SECOND_NS, Observation
 from ..opened import Opened, Wanted
 from ..poses import inverse, matrix
 from ..sqlite_file import need_columns, reading, tables
-from .cameras import pinhole
+from .cameras import camera_of
 
 TABLES = {
     "cameras": ("camera_id", "model", "width", "height", "params"),
@@ -106,7 +106,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, account: Account) -
             with account.part(f"camera {id}") as where:
                 if {type(model), type(width), type(height)} != {int} or not isinstance(params, bytes) or len(params) % 8:
                     raise RevisitError(f"{where}: its model, size and parameters are of another kind")
-                cameras[id] = pinhole(model, width, height, list(np.frombuffer(params, "<f8")), where)[0]
+                cameras[id] = camera_of(model, width, height, list(np.frombuffer(params, "<f8")), where).pinhole
         ids = ids_of_names(str(name) for (name,) in connection.execute("select name from images"))
         columns = ", ".join(("name", "camera_id", *PRIOR)) if has_priors else "name, camera_id"
         for number, (name, camera, *prior) in enumerate(connection.execute(f"select {columns} from images order by name"), 1):

@@ -24,8 +24,9 @@ from ..point_ids import NEAR_IDS, PointIds
 from ..point_store import PointStore
 from ..poses import checked, inverse, matrix
 from .binary import BinaryModel
+from .cameras import Camera
 from .database import Pairs
-from .entries import Camera, Image
+from .image import Image
 from .text import TextModel
 
 FILES = ("cameras", "images", "points3D")

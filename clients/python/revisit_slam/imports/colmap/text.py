@@ -13,9 +13,9 @@ from ...errors import RevisitError
 from ...files import MARKS
 from ..damage import Account
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
-from .cameras import pinhole
 from ..point_store import signed
-from .entries import Camera, Image
+from .cameras import Camera, camera_of
+from .image import Image
 
 
 class TextModel:
@@ -32,7 +32,7 @@ class TextModel:
             with file.told("CAMERA_ID MODEL WIDTH HEIGHT PARAMS.."):
                 id, model, width, height = int(words[0]), words[1], int(words[2]), int(words[3])
             with account.part(f"camera {id}") as where:
-                found[id] = Camera(*pinhole(model, width, height, [number(word) for word in words[4:]], where))
+                found[id] = camera_of(model, width, height, [number(word) for word in words[4:]], where)
         return found
 
     def points(self) -> Iterator[tuple[int, float, float, float]]:

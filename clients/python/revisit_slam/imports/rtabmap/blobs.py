@@ -8,15 +8,14 @@ import zlib
 import numpy as np
 
 from ...errors import RevisitError
+from ...pixels.pinhole import Pinhole
 from ..limits import MAX_PIECE_BYTES
-from ..observation import Pinhole
 from ..poses import rigid
 
 # A matrix of OpenCV, compressed by zlib; rows, columns and type come after it.
 MATRIX_TAIL = struct.Struct("<iii")
 # OpenCV's number of an element's type, for one channel.
 DEPTHS = {0: "<u1", 1: "<i1", 2: "<u2", 3: "<i2", 4: "<i4", 5: "<f4", 6: "<f8"}
-CHANNEL_STEP = 8
 # A camera: version (three numbers), 0, width, height, how many numbers K, D, R, P have, and those of its place.
 MONO_HEADER = struct.Struct("<11i")
 # Two cameras: version, 1, how many numbers R, T, E and F have, bytes of the left and the right camera.

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..observation import Pinhole
+from ...pixels.pinhole import Pinhole
 from ..poses import inverse, moved
 
 # A link from a node to a landmark, whose number is negative there.

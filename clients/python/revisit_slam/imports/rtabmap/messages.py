@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ...pixels.pinhole import Pinhole
 from ..damage import Account
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
-from ..observation import Observation, Pinhole
+from ..observation import Observation
 from ..poses import matrix
 from .blobs import matrix_of
 from .landmarks import LANDMARK, detections_of
@@ -61,6 +62,13 @@ def pose_of(message: Any, where: str) -> np.ndarray:
 def transform_of(message: Any, where: str) -> np.ndarray:
     """Return a `geometry_msgs/Transform`."""
     return _matrix(message.translation, message.rotation, where)
+
+
+def camera_of(info: Any, where: str) -> Pinhole | None:
+    """Return the camera of a `sensor_msgs/CameraInfo` whose pictures are rectified; None where it is not calibrated."""
+    k, p, width, height = info.k, info.p, int(info.width), int(info.height)
+    fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] else (k[0], k[4], k[2], k[5])
+    return Pinhole(float(fx), float(fy), float(cx), float(cy), width, height).checked(where) if fx and width and height else None
 
 
 def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observation | None:
@@ -120,11 +128,7 @@ def _mounted(data: Any, where: str) -> Mounted:
         raise RevisitError(f"{where} has {len(infos)} cameras, and places for {len(places)}")
     if not infos:
         return Mounted(None, np.eye(4))
-    k, p, width, height = infos[0].k, infos[0].p, int(infos[0].width), int(infos[0].height)
-    # Pictures are rectified where RTAB-Map takes features.
-    fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] else (k[0], k[4], k[2], k[5])
-    camera = Pinhole(float(fx), float(fy), float(cx), float(cy), width, height).checked(where) if fx and width and height else None
-    return Mounted(camera, transform_of(places[0], f"{where}: the camera's place on the base"), len(infos))
+    return Mounted(camera_of(infos[0], where), transform_of(places[0], f"{where}: the camera's place on the base"), len(infos))
 
 
 def _matrix(position: Any, orientation: Any, where: str) -> np.ndarray:

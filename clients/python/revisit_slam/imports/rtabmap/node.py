@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..observation import NO_POINT, SECOND_NS, Features, Observation, Pinhole, nanoseconds_of
+from ...pixels.pinhole import Pinhole
+from ..observation import NO_POINT, SECOND_NS, Features, Observation, nanoseconds_of
 from ..poses import moved
 
 # A node's points are its own: their numbers have room for so many.

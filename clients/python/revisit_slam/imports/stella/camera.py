@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ...errors import RevisitError
+from ...pixels.pinhole import Pinhole
 from ..damage import Account
-from ..observation import Observation, Pinhole
+from ..observation import Observation
 from ..opened import Opened, Wanted
 
 PINHOLES = ("Perspective", "Fisheye", "RadialDivision")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 from typing import Any
 
 import numpy as np
 
 from ..detections import detection
-from ..features import Features
 from ..ranges import LETTER_HEIGHT_M, Ranges
 from ..signs import Sign
 from ..tracking import Tracked, quaternion
@@ -55,16 +53,5 @@ class Bodies:
             body["bow"] = self._vocabulary.bag(sight.words.descriptors)
         features = self._binariser.features(sight.gradients)
         if len(features):
-            body["features"] = _features(features)
+            body["features"] = features.body()
         return body
-
-
-def _features(features: Features) -> dict[str, Any]:
-    return {
-        "descriptor_bytes": features.descriptors.shape[1],
-        "descriptors": base64.b64encode(features.descriptors.tobytes()).decode(),
-        "keypoints": [
-            [round(float(u), 2), round(float(v), 2), int(octave), round(float(angle), 1)]
-            for u, v, octave, angle in features.keypoints
-        ],
-    }

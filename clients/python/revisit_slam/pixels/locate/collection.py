@@ -28,11 +28,6 @@ class Shot:
     session: str
     is_judged: bool
 
-    @property
-    def name(self) -> str:
-        """What the answer calls the photograph."""
-        return self.frame.id
-
 
 @dataclass(frozen=True)
 class Collection:
@@ -71,7 +66,9 @@ def open_collection(gallery: Path, queries: Path, truth: Path | None) -> Collect
         if not shots:
             raise RevisitError(f"{truth}: no photograph of the folder has the split {part}")
     collection = Collection(*parts.values(), left_out)
-    _check_maps(collection)
+    if len(collection.maps) > MAX_MAPS:
+        what = "floors" if collection.is_judged else "videos"
+        raise RevisitError(f"--gallery: {len(collection.maps)} {what}; at most {MAX_MAPS} can be asked at once")
     return collection
 
 
@@ -80,9 +77,3 @@ def _shot(frame: Frame, floor: str | None) -> Shot:
     if floor is None:
         return Shot(frame, VIDEO_PREFIX + session, session, is_judged=False)
     return Shot(frame, FLOOR_PREFIX + plain_id(floor, MAX_NAME), session, is_judged=True)
-
-
-def _check_maps(collection: Collection) -> None:
-    if len(collection.maps) > MAX_MAPS:
-        what = "floors" if collection.is_judged else "videos"
-        raise RevisitError(f"--gallery: {len(collection.maps)} {what}; at most {MAX_MAPS} can be asked at once")

@@ -12,6 +12,7 @@ import msgspec
 from ...client import Client
 from ...errors import RevisitError
 from ...left_out import LeftOut
+from ...problems import found
 from ...server import Server
 from ..global_descriptors import MODELS
 from ..training import train_vocabulary
@@ -68,14 +69,13 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
     if not collection.is_judged:
         if not chosen.json:
             return answer_table(asked, UNJUDGED[0])
-        answers = [{"photograph": one.shot.name, **msgspec.to_builtins(one.answers[UNJUDGED[0]])} for one in asked]
+        answers = [{"photograph": one.shot.frame.id, **msgspec.to_builtins(one.answers[UNJUDGED[0]])} for one in asked]
         return msgspec.json.encode({"answers": answers}).decode()
     scores = {protocol: Score.of(protocol, asked) for protocol in PROTOCOLS}
     if not chosen.json:
         return "\n".join([score_table(scores, others), *(reliability_table(of, asked) for of in POOLED)])
-    figures = {protocol: score.figures() for protocol, score in scores.items()}
-    levels = {"+".join(of): [level.figures() for level in reliability(of, asked)] for of in POOLED}
-    return msgspec.json.encode({"protocols": figures, "reliability": levels}).decode()
+    levels = {"+".join(of): reliability(of, asked) for of in POOLED}
+    return msgspec.json.encode({"protocols": scores, "reliability": levels}).decode()
 
 
 def _look(
@@ -108,17 +108,10 @@ def _vocabulary(gallery: list[Sight]) -> Vocabulary:
 
 def _refuse_used_maps(client: Client, collection: Collection) -> None:
     """Keep the gallery apart from maps that others made."""
-    from ...problems import ProblemError
-
     for map in collection.maps:
-        try:
-            count = client.get_map(map).keyframes
-        except ProblemError as problem:
-            if problem.status != 404:
-                raise
-            continue
-        if count:
-            raise RevisitError(f"map {map} has {count} keyframes already: delete it, or name another --server")
+        used = found(client.get_map, map)
+        if used is not None and used.keyframes:
+            raise RevisitError(f"map {map} has {used.keyframes} keyframes already: delete it, or name another --server")
 
 
 def _progress(what: str, total: int) -> Callable[[], None]:

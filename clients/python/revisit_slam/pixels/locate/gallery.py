@@ -43,6 +43,6 @@ def _keyframes(video: list[Sight], bodies: Bodies) -> list[dict[str, Any]]:
         before = {id: (lines, signs) for id, lines, signs in recent}
         neighbours = [Neighbour(*before[id], found) for id, found in tracked.overlaps if id in before]
         signs = judge(sight.lines, sight.camera, neighbours)
-        recent.append((shot.name, sight.lines, signs))
-        keyframes.append({"id": shot.name, **bodies.gallery(number, sight, tracked, signs)})
+        recent.append((shot.frame.id, sight.lines, signs))
+        keyframes.append({"id": shot.frame.id, **bodies.gallery(number, sight, tracked, signs)})
     return keyframes

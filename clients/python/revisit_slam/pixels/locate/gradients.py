@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ..features import Features
+from ..features import Features, working
 
 MAX_FEATURES = 2000
 WORKING_SIDE_PX = 960
@@ -36,11 +36,7 @@ class Gradients:
 
 def gradients_of(image: np.ndarray) -> Gradients:
     """Return the SIFT features of a photograph (BGR), strongest first."""
-    height, width = image.shape[:2]
-    scale = min(1.0, WORKING_SIDE_PX / max(width, height))
-    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    if scale < 1.0:
-        grey = cv2.resize(grey, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
+    grey, scale = working(image, WORKING_SIDE_PX)
     sift = cv2.SIFT_create(nfeatures=MAX_FEATURES, contrastThreshold=MIN_CONTRAST)
     found, descriptors = sift.detectAndCompute(grey, None)
     if descriptors is None:

@@ -64,7 +64,7 @@ class Ordinary:
 
     def _is_asked(self, protocol: str, query: Shot, shot: Shot) -> bool:
         left_out = excluded(protocol, query, [shot])
-        return shot.name not in left_out.keyframes and shot.session not in left_out.sessions
+        return shot.frame.id not in left_out.keyframes and shot.session not in left_out.sessions
 
     def _bag(self, sight: Sight) -> np.ndarray:
         words = np.bincount(self._vocabulary.words(sight.tracking.descriptors), minlength=len(self._vocabulary.weights))

@@ -35,5 +35,5 @@ def excluded(protocol: str, query: Shot, gallery: list[Shot]) -> Excluded:
         return Excluded()
     if protocol == "C":
         return Excluded(sessions=(query.session,))
-    near = [shot.name for shot in own if abs(shot.frame.number - query.frame.number) <= NEAR_S]
+    near = [shot.frame.id for shot in own if abs(shot.frame.number - query.frame.number) <= NEAR_S]
     return Excluded(keyframes=tuple(near))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from .asking import Asked
 
@@ -18,10 +18,6 @@ class Level:
     confidence: float
     answers: int
     right: int
-
-    def figures(self) -> dict[str, float]:
-        """Return them as `--json` prints them."""
-        return asdict(self)
 
 
 def reliability(protocols: Sequence[str], asked: Iterable[Asked]) -> list[Level]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from .asking import LOCATED, Asked
 
@@ -31,7 +31,3 @@ class Score:
             first += is_right
         score.top1 = round(first / score.queries, 4) if score.queries else 0.0
         return score
-
-    def figures(self) -> dict[str, float]:
-        """Return them as `--json` prints them."""
-        return asdict(self)

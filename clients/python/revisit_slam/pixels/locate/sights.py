@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
-import queue
-from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...left_out import LeftOut, Unreadable
-from ..camera import FOCAL_SHARE, Camera
+from ...left_out import LeftOut
+from ..ahead import ahead
+from ..pinhole import FOCAL_SHARE, Pinhole
 from ..features import Features, features_of
 from ..reader import Line, Reader
 from .collection import Shot
@@ -30,7 +27,7 @@ class Sight:
     """A photograph's camera, features and lines of text."""
 
     shot: Shot
-    camera: Camera
+    camera: Pinhole
     tracking: Features
     words: Features
     gradients: Gradients
@@ -50,50 +47,31 @@ def look(
     distortion: str | None = None,
     progress: Callable[[], None] = lambda: None,
 ) -> Iterator[Sight]:
-    """Yield what is in each photograph that can be read, in order. Each reading engine serves one thread at a time."""
-    readers: queue.SimpleQueue[Reader | None] = queue.SimpleQueue()
-    for _ in range(threads):
-        readers.put(Reader(cache) if signs else None)
-
+    """Yield what is in each photograph that can be read, in order."""
+    reader = Reader(cache) if signs else None
     # The network's session may serve several threads.
     network = GlobalDescriptors(global_model) if global_model else None
 
     def sight(shot: Shot) -> Sight | None:
-        reader = readers.get()
-        try:
-            data, image = shot.frame.picture()
+        with left_out.part():
+            data, image, _ = shot.frame.view()
             # The focal length stays that of the whole photograph.
             focal = focal_px or FOCAL_SHARE * max(image.shape[:2])
             if distortion is not None:
                 image = DISTORTIONS[distortion](image)
                 data += distortion.encode()
-            lines = reader.read(data, image) if reader is not None else []
-        except Unreadable as error:
-            left_out.add(error.name, error.why)
-            return None
-        finally:
-            readers.put(reader)
-        return Sight(
-            shot,
-            Camera.of(image, focal),
-            features_of(image),
-            features_of(image, MAX_WORD_FEATURES, WORD_SIDE_PX),
-            gradients_of(image),
-            lines,
-            network.of(image) if network is not None else None,
-        )
+            return Sight(
+                shot,
+                Pinhole.of(image, focal),
+                features_of(image),
+                features_of(image, MAX_WORD_FEATURES, WORD_SIDE_PX),
+                gradients_of(image),
+                reader.read(data, image) if reader is not None else [],
+                network.of(image) if network is not None else None,
+            )
+        return None
 
-    with ThreadPoolExecutor(threads) as pool:
-        ahead: deque[Future[Sight | None]] = deque()
-        try:
-            for shot in itertools.chain(shots, [None]):
-                if shot is not None:
-                    ahead.append(pool.submit(sight, shot))
-                while ahead and (shot is None or len(ahead) > 2 * threads):
-                    seen = ahead.popleft().result()
-                    if seen is not None:
-                        yield seen
-                    progress()
-        finally:
-            for future in ahead:
-                future.cancel()
+    for seen in ahead(shots, sight, threads):
+        if seen is not None:
+            yield seen
+        progress()

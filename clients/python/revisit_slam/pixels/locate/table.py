@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..columns import columns
+from ..table import columns
 from .asking import Asked
 from .protocols import PROTOCOLS
 from .reliability import reliability
@@ -71,7 +71,7 @@ def answer_table(asked: list[Asked], protocol: str) -> str:
         answer = one.answers[protocol]
         first = answer.places[0] if answer.places else None
         place = (first.map, first.keyframe or "") if first is not None else ("", "")
-        rows.append((one.shot.name, answer.verdict, f"{answer.confidence:.3f}", *place))
+        rows.append((one.shot.frame.id, answer.verdict, f"{answer.confidence:.3f}", *place))
     return "\n".join(columns(("photograph", "verdict", "confidence", "map", "looks like"), rows))
 
 

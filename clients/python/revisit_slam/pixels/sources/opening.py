@@ -7,8 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...arguments import EVERY_S, terms
-from ..camera import FOCAL_SHARE, Calibration
+from ..camera import Calibration
 from ..frames import Frame
+from ..pinhole import FOCAL_SHARE
 from ..trajectory import Trajectory, read_tum
 from .bag import open_bag
 from .colmap import open_colmap

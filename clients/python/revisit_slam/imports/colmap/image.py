@@ -1,18 +1,8 @@
-"""Entries of a COLMAP model, as both of its forms give them."""
+"""Image of a COLMAP model, as both of its forms give it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
-
-from ..observation import Pinhole
-
-
-class Camera(NamedTuple):
-    """A camera: its pinhole, None for one that sees all around, and whether it distorts."""
-
-    pinhole: Pinhole | None
-    distorts: bool
 
 
 @dataclass(frozen=True, eq=False)
