@@ -46,9 +46,9 @@ export class MapCanvas {
         const [at, ahead] = [moved(placed, place), turned(placed, forward)];
         return { kind: "keyframe", id, u: at[u] + du, v: at[v] + dv, ahead: [ahead[u], ahead[v]], session };
       }));
-      for (const { anchor, place } of session.anchors.filter(isSeen)) {
+      for (const { anchor, place, assumed } of session.anchors.filter(isSeen)) {
         const at = moved(placed, place);
-        this.anchors.push({ kind: "anchor", id: anchor.id, u: at[u] + du, v: at[v] + dv, anchor, session });
+        this.anchors.push({ kind: "anchor", id: anchor.id, u: at[u] + du, v: at[v] + dv, anchor, session, assumed });
       }
     }
     this.anchors.push(...planPoints(layout));

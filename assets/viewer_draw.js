@@ -181,7 +181,7 @@ function drawAnchors({ map, context, theme, labels }) {
   for (const { point, at } of shown.toReversed()) {
     const { id, anchor } = point;
     context.globalAlpha = found && !found.has(id) && id !== selected ? 0.25 : 1;
-    diamond(context, theme, at, classColour(classes.get(anchor.class)), anchor.state, id === selected, size);
+    diamond(context, theme, at, classColour(classes.get(anchor.class)), anchor.state, id === selected, size, point.assumed);
   }
   context.globalAlpha = 1;
   for (const { point: { id, anchor }, at } of shown) {
@@ -233,7 +233,8 @@ function cross(context, { x, y }, theme) {
 }
 
 /** Filled: described. Hollow: not described yet. Small: says too little to be matched. Small and hollow: retired. */
-function diamond(context, theme, { x, y }, colour, state, selected, size) {
+/** A sign; one whose distance nobody measured is drawn with a broken line, as loops and places that are unsure are. */
+function diamond(context, theme, { x, y }, colour, state, selected, size, assumed) {
   const [isSmall, isHollow] = [["uninformative", "retired"], ["pending", "retired"]].map((states) => states.includes(state));
   const radius = (isSmall ? 0.65 : 1) * size + (selected ? 2 : 0);
   context.beginPath();
@@ -244,9 +245,18 @@ function diamond(context, theme, { x, y }, colour, state, selected, size) {
   context.closePath();
   context.fillStyle = isHollow ? theme.ground : colour;
   context.fill();
-  context.strokeStyle = selected ? theme.accent : isHollow ? colour : theme.ground;
+  context.strokeStyle = selected ? theme.accent : isHollow || assumed ? colour : theme.ground;
   context.lineWidth = selected ? 3 : isHollow ? 2 : 1;
+  if (assumed) {
+    // Around the sign, so that what is hollow stays so.
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, radius + 3, 0, 2 * Math.PI);
+    context.setLineDash([2, 3]);
+    context.lineWidth = 1.2;
+  }
   context.stroke();
+  context.setLineDash([]);
 }
 
 /** A bar of a round length, and which axes the page shows. */

@@ -29,6 +29,7 @@ export function legend({ classes, sessions, plans, loops, suspects, anchors: all
     return mark;
   };
   const pending = [...all.values()].filter((anchor) => anchor.state === "pending");
+  const assumed = sessions.flatMap(({ anchors }) => anchors).filter((anchor) => anchor.assumed).length;
   const ofPending = classes.find(({ name }) => name === pending[0]?.class)?.index ?? 0;
   const signs = plans.reduce((sum, { anchors }) => sum + anchors.length, 0);
   return [
@@ -39,6 +40,7 @@ export function legend({ classes, sessions, plans, loops, suspects, anchors: all
       el("div", {}, glyph("", classColour(index)), sign(name), ` ${number(size, 0)}`)),
     classes.length > CLASSES && el("div", {}, `and ${count(classes.length - CLASSES, "more class", "more classes")}`),
     pending.length > 0 && el("div", {}, glyph("hollow", classColour(ofPending)), `not described yet ${number(pending.length, 0)}`),
+    assumed > 0 && el("div", {}, glyph("ring broken", tones.muted), `distance assumed ${number(assumed, 0)}`),
     signs > 0 && el("div", {}, glyph("square", tones["strong-line"]), `sign of a plan ${number(signs, 0)}`),
     loops.length > suspects.size && el("div", {}, glyph("dash", tones.good), "confirmed loop"),
     suspects.size > 0 && el("div", {}, glyph("dash suspect", tones.bad), `loop that contradicts the others ${number(suspects.size, 0)}`),

@@ -31,7 +31,7 @@ export function buildScene({ keyframes, anchors, loops, sessions = [], frames = 
   }
   for (const anchor of anchors) {
     scene.anchors.set(anchor.id, anchor);
-    for (const frame of anchor.frames) session(frame.session).anchors.push({ anchor, place: frame.center });
+    for (const frame of anchor.frames) session(frame.session).anchors.push({ anchor, place: frame.center, assumed: frame.range === "assumed" });
   }
   for (const { session: name, reference_from_session: placed } of frames?.frames ?? []) {
     if (placed && named.has(name)) named.get(name).placed = placed;

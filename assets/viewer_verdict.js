@@ -178,7 +178,7 @@ function geometry({ geometry: { status, reason, matches, inliers, mean_reproject
   const said = {
     verified: "The features of both images fit one transformation",
     failed: "The features do not fit one transformation",
-    skipped: "It did not run",
+    skipped: reason ? "It did not run" : "It did not run: a check before it decided",
   };
   const known = (value) => value !== undefined && value !== null;
   const shift = transform && Math.hypot(...["x", "y", "z"].map((axis) => transform.translation[axis]));

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::decoding::document::Kind;
 use super::decoding::read::{Decode, Node};
+use super::keyframe::RangeName;
 use super::limits;
 use super::names::{AnchorStateName, TextKindName};
 use super::prior::{PlanPositionView, PriorView};
@@ -121,6 +122,9 @@ pub struct AnchorFrameView {
     pub bounds: BoxView,
     /// The box's centre, `[x,y,z]` in metres.
     pub center: [f64; 3],
+    /// `assumed` where the distance of a sight that it is placed by was a guess; else left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<RangeName>,
 }
 
 /// Another anchor with the same meaning.
@@ -217,10 +221,11 @@ impl From<AnchorReport> for AnchorView {
         let frames: Vec<AnchorFrameView> = anchor
             .frames
             .into_iter()
-            .map(|(session, aabb)| AnchorFrameView {
+            .map(|(session, aabb, range_assumed)| AnchorFrameView {
                 session: session.to_string(),
                 bounds: aabb.into(),
                 center: shown(&aabb.centre()),
+                range: range_assumed.then_some(RangeName::Assumed),
             })
             .collect();
         Self {

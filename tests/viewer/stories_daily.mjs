@@ -122,6 +122,7 @@ export const daily = {
     await page.waitForSelector("#live[data-state=live]");
     await page.click("#tab-loops");
     const [first, second] = await page.locator("#loop-list li").allTextContents();
+    assert.match(await page.textContent("#legend"), /distance assumed 1/);
     assert.match(first, /^b back at a.*joined by 901.*3 m apart on the map, 1 hour 2 minutes between them, the later at 2026-11-18 /s);
     assert.match(second, /^c back at a.*no sign that both see joins them/s);
     await page.click("#loop-list .ref >> nth=0");

@@ -299,6 +299,13 @@ class PoseSource(OpenEnum):
     """Matched anchors with positions."""
 
 
+class RangeName(OpenEnum):
+    """The origin of a position's distance."""
+
+    MEASURED = "measured"
+    ASSUMED = "assumed"
+
+
 class ReasonCode(OpenEnum):
     """The check that decided; in parentheses its effect on the verdict."""
 
@@ -562,6 +569,8 @@ class AnchorFrame(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The anchor's box in that frame."""
     center: list[float]
     """The box's centre, `[x,y,z]` in metres."""
+    range: RangeName | None = None
+    """`assumed` where the distance of a sight that it is placed by was a guess; else left out."""
 
 
 class AnchorList(msgspec.Struct, kw_only=True, omit_defaults=True):

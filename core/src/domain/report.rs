@@ -115,8 +115,8 @@ pub struct AnchorReport {
     pub disagreement: Option<String>,
     /// The keyframes that saw it, in order of arrival.
     pub keyframes: Vec<KeyframeId>,
-    /// Its box in the frame of each session that saw it, oldest session first.
-    pub frames: Vec<(SessionId, Aabb)>,
+    /// Its box in the frame of each session that saw it, oldest session first, and whether a guess of its distance placed it.
+    pub frames: Vec<(SessionId, Aabb, bool)>,
     /// Number of its distinct map points.
     pub map_points: usize,
     /// The anchors that match it; bounded, oldest first.

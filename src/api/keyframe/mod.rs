@@ -36,4 +36,5 @@ pub use points::{points, unique};
 pub use sent_shape::{SentBow, SentFeatures, SentPoints};
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape,
+    RangeName,
 };

@@ -58,7 +58,9 @@ pub(in crate::engine) fn anchor_with(
         frames: object
             .shapes
             .iter()
-            .filter_map(|(session, shape)| Some((index.sessions()[session.index()].clone(), shape.aabb?)))
+            .filter_map(|(session, shape)| {
+                Some((index.sessions()[session.index()].clone(), shape.aabb?, shape.range_assumed))
+            })
             .collect(),
         map_points: object.shapes.values().map(|shape| shape.map_points.len()).sum(),
         matches,
