@@ -11,7 +11,7 @@ use super::decoding::read::{self, Decode, Node};
 use super::limits;
 use crate::domain::method::Method;
 use crate::domain::settings::{Setting, SettingError, SettingKind, SettingValue, Settings};
-use crate::semantics::Numbering;
+use crate::semantics::Patterns;
 
 /// The settings of a map, by name; in a request only those to be set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
@@ -49,7 +49,7 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
             let named = |text: &str| names.iter().copied().find(|name| *name == text);
             SettingValue::Choice(node.choice(names, named)?)
         }
-        SettingKind::Patterns { .. } => SettingValue::Patterns(node.list(limits::PATTERNS, pattern)?),
+        SettingKind::Patterns { .. } => SettingValue::Patterns(patterns(node)?),
     };
     match Settings::default().set(row.name, value.clone()) {
         Ok(()) => Some((row.name.to_owned(), value)),
@@ -60,12 +60,19 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
     }
 }
 
-fn pattern(node: &Node<'_>) -> Option<String> {
-    let pattern = node.text(limits::PATTERN_CHARS)?;
-    match Numbering::given(std::slice::from_ref(&pattern)) {
-        Ok(_) => Some(pattern),
-        Err(error) => node.refuse(error.to_string(), "a regular expression of 1 to 256 bytes"),
-    }
+fn patterns(node: &Node<'_>) -> Option<Patterns> {
+    const LIMIT: &str = "regular expressions of 1 to 256 bytes";
+    let texts = node.list(limits::PATTERNS, |item| item.text(limits::PATTERN_CHARS))?;
+    let error = match Patterns::new(texts) {
+        Ok(patterns) => return Some(patterns),
+        Err(error) => error,
+    };
+    let Some(wrong) = error.at() else { return node.refuse(error.to_string(), LIMIT) };
+    node.each(
+        limits::PATTERNS,
+        |at, item| if at == wrong { item.refuse(error.to_string(), LIMIT) } else { Some(()) },
+    )?;
+    None
 }
 
 impl From<&Settings> for MapSettings {
@@ -95,7 +102,7 @@ fn json_of(value: SettingValue) -> Value {
         SettingValue::Count(count) => json!(count),
         SettingValue::Switch(switch) => json!(switch),
         SettingValue::Choice(name) => json!(name),
-        SettingValue::Patterns(patterns) => json!(patterns),
+        SettingValue::Patterns(patterns) => json!(patterns.texts()),
     }
 }
 

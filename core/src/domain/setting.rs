@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::named::Named;
-use crate::semantics::{Numbering, PatternError};
+use crate::semantics::{PatternError, Patterns};
 
 /// The type of a setting's value, with default and bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub enum SettingValue {
     /// One of the setting's names.
     Choice(&'static str),
     /// Regular expressions.
-    Patterns(Vec<String>),
+    Patterns(Patterns),
 }
 
 /// The values a setting takes, and where it starts.
@@ -53,10 +53,10 @@ pub enum SettingKind {
         /// The names.
         names: &'static [&'static str],
     },
-    /// Regular expressions, as [`Numbering::given`] takes them.
+    /// Regular expressions, as [`Patterns::new`] takes them.
     Patterns {
         /// The default.
-        default: Vec<String>,
+        default: Patterns,
     },
 }
 
@@ -215,7 +215,7 @@ impl Field for bool {
     }
 }
 
-impl Field for Vec<String> {
+impl Field for Patterns {
     const EXPECTED: &'static str = "a list of regular expressions";
 
     fn read(&self) -> SettingValue {
@@ -224,10 +224,7 @@ impl Field for Vec<String> {
 
     fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
         match value {
-            SettingValue::Patterns(patterns) => match Numbering::given(&patterns) {
-                Ok(_) => Ok(patterns),
-                Err(error) => Err(SettingError::Pattern(error)),
-            },
+            SettingValue::Patterns(patterns) => Ok(patterns),
             _ => Err(SettingError::Type(Self::EXPECTED)),
         }
     }

@@ -10,6 +10,7 @@ use self::SettingSource::{OrbSlam, Ours, Paper, Storage};
 use super::setting::Field;
 pub use super::setting::{Setting, SettingError, SettingKind, SettingSource, SettingValue};
 use crate::named::named;
+use crate::semantics::Patterns;
 
 named! {
     /// The method by which a map decides.
@@ -165,7 +166,7 @@ settings! {
         "anchors farther apart than this stand in different places, in metres";
     reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0, "1"; paper: 0.0 }, Ours,
         "a text of fewer than three specific words that a detection of less confidence read tells nothing until another keyframe of the map reads it alike; 0 = off";
-    identifier_patterns: Vec<String> = Patterns { Vec::new(); paper: Vec::new() }, Ours,
+    identifier_patterns: Patterns = Patterns { Patterns::NONE; paper: Patterns::NONE }, Ours,
         "regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
     learned_identifiers: bool = Switch { true; paper: false }, Ours,
         "learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
@@ -213,7 +214,6 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::semantics::PatternError;
 
     #[test]
     fn every_row_of_the_table_reads_its_own_default_back() {
@@ -265,9 +265,13 @@ mod tests {
         check("building_repeats", SettingValue::Count(1), Err(SettingError::Type("true or false")));
         check("geometry_models", SettingValue::Choice("se3"), Err(SettingError::Choice(&["auto", "sim3"])));
         check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
-        let pattern = |pattern: &str| SettingValue::Patterns(vec![pattern.to_owned()]);
-        check("identifier_patterns", pattern(r"\d\.\d\d"), Ok(()));
-        check("identifier_patterns", pattern(""), Err(SettingError::Pattern(PatternError::Length(0))));
+        let patterns = Patterns::new(vec![r"\d\.\d\d".to_owned()]).expect("a pattern");
+        check("identifier_patterns", SettingValue::Patterns(patterns), Ok(()));
+        check(
+            "identifier_patterns",
+            SettingValue::Count(1),
+            Err(SettingError::Type("a list of regular expressions")),
+        );
         check(
             "anchor_map_min_similarity",
             SettingValue::Number(f64::NAN),

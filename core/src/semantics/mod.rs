@@ -19,6 +19,7 @@
 //! | the same, different, unsure or open | `names/relation.rs` | `compare`, [`conflict`] |
 //! | codes, which are compared exactly | `names/code.rs` | `by_form` |
 //! | how names are written, slot by slot | `names/shape.rs` | [`Shape`] |
+//! | what an operator's patterns may cost | `names/patterns.rs` | [`Patterns`] |
 //! | which numbers are the building's own | `names/numbering.rs` | [`Numbering`] |
 //! | what a reader makes of a wall | `parsing/noise.rs` | `is_noise_number`, `is_one_symbol` |
 //! | numerals of Chinese and Japanese | `parsing/numeral.rs` | `first_numbered` |
@@ -69,7 +70,8 @@ pub use models::judge_routing::{
 };
 pub use models::prompt_injection::addresses_a_model;
 pub use names::name::Name;
-pub use names::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, SHOWN_FROM_VALUES};
+pub use names::numbering::{LEARNED_FROM_VALUES, Numbering, SHOWN_FROM_VALUES};
+pub use names::patterns::{PatternError, Patterns};
 pub use names::relation::{Conflict, conflict, is_conflict};
 pub use names::shape::Shape;
 pub use parsing::noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};

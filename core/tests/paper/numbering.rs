@@ -1,6 +1,7 @@
 //! M20: a map learns how its building writes its numbers; M26: a distance may be assumed; M17: company.
 
 use revisit_core::domain::anchor::AnchorState;
+use revisit_core::semantics::Patterns;
 use revisit_core::{CandidateDecision, ReasonCode, Settings};
 
 use super::equation::compared;
@@ -40,7 +41,10 @@ fn ten_numbers_read_alike_in_two_keyframes_make_a_numbering() {
     check(10, default(), Uninformative, &["#.99"]);
     check(10, Settings { learned_identifiers: false, ..default() }, Valid, &[]);
     check(10, to_the_letter(), Valid, &[]);
-    let given = |pattern: &str| Settings { identifier_patterns: vec![pattern.to_owned()], ..default() };
+    let given = |pattern: &str| Settings {
+        identifier_patterns: Patterns::new(vec![pattern.to_owned()]).expect("a pattern"),
+        ..default()
+    };
     check(0, given("[0-9]+[.][0-9]{2}"), Uninformative, &["[0-9]+[.][0-9]{2}"]);
     check(0, given("hub ?[0-9]+"), Valid, &["hub ?[0-9]+"]);
 }

@@ -13,6 +13,7 @@ use crate::domain::method::Method;
 use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
 use crate::domain::settings::{SettingKind, SettingValue, Settings};
+use crate::semantics::Patterns;
 use crate::store::commit::job::{Batch, MapKey};
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
@@ -237,7 +238,7 @@ fn setting_text(value: SettingValue) -> String {
         SettingValue::Count(count) => count.to_string(),
         SettingValue::Switch(switch) => switch.to_string(),
         SettingValue::Choice(name) => name.to_owned(),
-        SettingValue::Patterns(patterns) => serde_json::json!(patterns).to_string(),
+        SettingValue::Patterns(patterns) => serde_json::json!(patterns.texts()).to_string(),
     }
 }
 
@@ -323,6 +324,8 @@ fn setting(name: &str, text: &str) -> Option<SettingValue> {
         SettingKind::Choice { names, .. } => {
             SettingValue::Choice(names.iter().copied().find(|name| *name == text)?)
         }
-        SettingKind::Patterns { .. } => SettingValue::Patterns(serde_json::from_str(text).ok()?),
+        SettingKind::Patterns { .. } => {
+            SettingValue::Patterns(Patterns::new(serde_json::from_str(text).ok()?).ok()?)
+        }
     })
 }

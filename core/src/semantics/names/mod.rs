@@ -3,6 +3,7 @@
 pub mod code;
 pub mod name;
 pub mod numbering;
+pub mod patterns;
 pub mod relation;
 pub mod shape;
 pub mod spelling;

@@ -5,39 +5,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use regex::{Regex, RegexBuilder};
-use thiserror::Error;
-
 use crate::semantics::names::name::Name;
+use crate::semantics::names::patterns::Patterns;
 use crate::semantics::names::shape::Shape;
 
 /// Number of values from which a shape is learned, each read alike in two keyframes or more.
 pub const LEARNED_FROM_VALUES: usize = 10;
 /// Number of values from which a shape is no accident, and numbers of other shapes with fewer values are in doubt.
 pub const SHOWN_FROM_VALUES: usize = 3;
-/// Patterns that an operator may give.
-const PATTERNS_MAX: usize = 16;
-/// Bytes of one pattern.
-const PATTERN_BYTES_MAX: usize = 256;
 /// Marks between the names of a sign that lists several: "5.11/5.15".
 const LIST_MARKS: [char; 3] = ['/', '-', ' '];
-/// Bytes that a compiled pattern may take.
-const COMPILED_BYTES_MAX: usize = 1 << 20;
-
-/// Why a pattern is refused.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum PatternError {
-    /// There are too many.
-    #[error("{0} patterns, and at most {PATTERNS_MAX} are taken")]
-    TooMany(usize),
-    /// This one is empty or too long.
-    #[error("pattern {0} must have 1 to {PATTERN_BYTES_MAX} bytes")]
-    Length(usize),
-    /// This one is no regular expression that runs in linear time and little memory.
-    #[error("pattern {0} is no regular expression: {1}")]
-    Syntax(usize, String),
-}
-
 /// Ways in which the names of one building are written.
 #[derive(Clone, Debug, Default)]
 pub struct Numbering {
@@ -45,7 +22,7 @@ pub struct Numbering {
     shapes: BTreeSet<Shape>,
     /// Shapes that several values have; fewer values make a number of another shape doubtful.
     shown: BTreeSet<Shape>,
-    patterns: Vec<Regex>,
+    patterns: Patterns,
     /// Whether every text is a code, to be compared exactly.
     is_of_codes: bool,
 }
@@ -88,23 +65,8 @@ impl Numbering {
     }
 
     /// Takes an operator's regular expressions; a text that one of them matches whole, whatever its case, is an identifier.
-    pub fn given(patterns: &[String]) -> Result<Self, PatternError> {
-        if patterns.len() > PATTERNS_MAX {
-            return Err(PatternError::TooMany(patterns.len()));
-        }
-        let compile = |(at, pattern): (usize, &String)| {
-            if pattern.is_empty() || pattern.len() > PATTERN_BYTES_MAX {
-                return Err(PatternError::Length(at));
-            }
-            let syntax = |error: regex::Error| PatternError::Syntax(at, error.to_string());
-            // By itself first, or "a)(b" would be whole within the brackets below.
-            Regex::new(pattern).map_err(syntax)?;
-            let whole = format!("^(?:{pattern})$");
-            let mut builder = RegexBuilder::new(&whole);
-            builder.case_insensitive(true).size_limit(COMPILED_BYTES_MAX).build().map_err(syntax)
-        };
-        let patterns = patterns.iter().enumerate().map(compile).collect::<Result<_, _>>()?;
-        Ok(Self { patterns, ..Self::default() })
+    pub fn given(patterns: Patterns) -> Self {
+        Self { patterns, ..Self::default() }
     }
 
     /// Returns the numbering of a class whose texts are codes.
@@ -114,10 +76,7 @@ impl Numbering {
 
     /// Returns the patterns or learned shapes, as people are shown them.
     pub fn learned_or_given(&self) -> impl Iterator<Item = &str> {
-        let given = self.patterns.iter().map(|pattern| {
-            let whole = pattern.as_str();
-            whole.strip_prefix("^(?:").and_then(|rest| rest.strip_suffix(")$")).unwrap_or(whole)
-        });
+        let given = self.patterns.texts().iter().map(String::as_str);
         given.chain(self.shapes.iter().map(Shape::as_str))
     }
 
@@ -128,7 +87,7 @@ impl Numbering {
 
     /// Whether an operator's pattern matches a whole text in normal form, which is then compared whole.
     pub(in crate::semantics) fn matches_whole(&self, normalised: &str) -> bool {
-        self.patterns.iter().any(|pattern| pattern.is_match(normalised))
+        self.patterns.match_whole(normalised)
     }
 
     /// Returns what a name is that no pattern matches.
@@ -228,7 +187,7 @@ mod tests {
     #[test]
     fn an_operators_pattern_matches_a_whole_text() {
         let patterns = [r"\d{1,2}\.\d\d".to_owned(), "hub ?[0-9]+".to_owned()];
-        let numbering = Numbering::given(&patterns).expect("two patterns");
+        let numbering = Numbering::given(Patterns::new(patterns.to_vec()).expect("two patterns"));
         let parse = |text: &str| Text::under(text, Some(&numbering));
         for (text, is_one) in [
             ("7.04", true),
@@ -241,17 +200,5 @@ mod tests {
             assert_eq!(parse(text).has_own_name(), is_one, "{text}");
         }
         assert_eq!(numbering.learned_or_given().collect::<Vec<_>>(), patterns);
-    }
-
-    #[test]
-    fn a_pattern_that_is_none_is_refused_by_its_number() {
-        let given = |patterns: &[&str]| {
-            Numbering::given(&patterns.iter().map(|p| (*p).to_owned()).collect::<Vec<_>>()).err()
-        };
-        assert_eq!(given(&["x", ""]), Some(PatternError::Length(1)));
-        assert_eq!(given(&["x"; 17]), Some(PatternError::TooMany(17)));
-        for bad in ["(", "a)(b", r"(a)\1", r"\w{1000}{1000}"] {
-            assert!(matches!(given(&[bad]), Some(PatternError::Syntax(0, _))), "{bad}");
-        }
     }
 }

@@ -98,9 +98,7 @@ impl Readings {
     /// Takes the rules of the map's settings.
     pub(super) fn set_rules(&mut self, settings: &Settings) {
         let patterns = &settings.identifier_patterns;
-        // Settings hold nothing but patterns that were taken.
-        let given = if patterns.is_empty() { None } else { Numbering::given(patterns).ok() };
-        self.given = given.map(Arc::new);
+        self.given = (!patterns.is_empty()).then(|| Arc::new(Numbering::given(patterns.clone())));
         self.learns = settings.learned_identifiers;
         self.open.extend(self.by_class.keys().cloned());
     }
