@@ -8,6 +8,7 @@ use axum::response::Response;
 use crate::api::examples;
 use crate::api::list::MapList;
 use crate::api::map::{MapBody, MapPatchBody, MapView};
+use crate::domain::key::Action;
 use crate::domain::request::{MapPatch, NewMap};
 use crate::engine::{Service, ServiceError};
 use crate::http::answer::written;
@@ -38,7 +39,7 @@ pub async fn list_maps(
 /// Create a map
 ///
 /// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict. With a `base` the map
-/// begins as a copy of a release or of another map, and the answer comes when all of it is on disk. With
+/// begins as a copy of a release or of another map, and the answer comes when all of it is on disk; the key must have `read` for that. With
 /// `?detail=brief` the answer lists only the settings that differ from their defaults.
 #[utoipa::path(
     put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["write"])),
@@ -57,8 +58,12 @@ pub async fn put_map(
     Query(DetailParams { detail }): Query<DetailParams>,
     Body(new): Body<NewMap>,
 ) -> Result<Response, Problem> {
-    if let Some(base) = new.base.as_ref().filter(|base| !caller.reaches(&base.map)) {
-        return Err(ServiceError::no_map(&base.map).into());
+    if let Some(base) = &new.base {
+        // What is copied is read by whoever may read the copy.
+        caller.needs(Action::Read)?;
+        if !caller.reaches(&base.map) {
+            return Err(ServiceError::no_map(&base.map).into());
+        }
     }
     let stored = service.put_new_map(map, new, caller.0.key()).await?;
     Ok(written(stored.created, MapView::of(stored.value, detail)))

@@ -210,3 +210,19 @@ async fn a_map_outside_a_keys_scope_is_answered_as_one_that_is_not_there() {
     }
     assert_eq!(seen, ["b", "ours-1", "ours-2"]);
 }
+
+#[tokio::test]
+async fn a_key_that_may_write_and_not_read_copies_no_map() {
+    let server = Server::start().await;
+    let made = server.post("/v1/keys", &json!({"actions": Action::NAMES})).await.expect(201);
+    let admin = made["secret"].as_str().expect("a secret").to_owned();
+    a_map_with_a_keyframe(&server, &admin, "lab").await;
+    for (actions, status) in [(json!(["write"]), 403), (json!(["read", "write"]), 201)] {
+        let body = json!({"name": "copier", "actions": actions, "maps": ["*"]});
+        let (_, secret) = key(&server, &admin, body).await;
+        let path = format!("/v1/maps/copy-{status}");
+        let copy =
+            server.request(Method::PUT, &path).bearer_auth(&secret).json(&json!({"base": {"map": "lab"}}));
+        Answer::of(copy).await.expect(status);
+    }
+}
