@@ -201,8 +201,7 @@ async fn a_session_is_erased_with_what_merged_into_it_and_with_its_names_in_loop
     assert_eq!(refused.pointers(), ["/sessions/0"]);
     server.post(&format!("{MAP}/erase"), &json!({"sessions": ["session-zanzibar-too"]})).await.expect(202);
     assert_eq!(done(&server, "e-1").await["keyframes"], 1);
-    // The release was published before the merge: there the session goes by its old name.
-    server.delete(&format!("{MAP}/releases/r")).await.expect(204);
+    // The release was published before the merge: there the session goes by its old name, and is erased all the same.
     server.post(&format!("{MAP}/erase"), &json!({"keyframes": ["kf-zanzibar-1"]})).await.expect(202);
     done(&server, "e-2").await;
     let mut left = found(folder.path());
@@ -219,6 +218,30 @@ async fn a_session_is_erased_with_what_merged_into_it_and_with_its_names_in_loop
     server.put(MAP, &json!({})).await.expect(201);
     let events = server.request(Method::GET, &format!("{MAP}/events")).header("last-event-id", 9);
     assert_eq!(events.send().await.unwrap().status(), 410, "of a map that was deleted");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_session_that_a_release_knows_as_a_part_of_another_is_erased_with_it_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::on(folder.path()).await;
+    with_secrets(&server).await;
+    server.delete(&format!("{MAP}/releases/r")).await.expect(204);
+    let merge = json!({"into": "session-zanzibar-too", "into_from_session": pose([0.0, 0.0, 0.0])});
+    let path = format!("{MAP}/sessions/session-zanzibar/merge");
+    server.post(&path, &merge).await.expect(200);
+    server.put(&format!("{MAP}/releases/joined"), &json!({})).await.expect(201);
+    server.delete(&path).await.expect(200);
+    // In the map it stands by itself again; in the release nobody can tell its keyframes from the others.
+    let alone = server.post(&format!("{MAP}/erase"), &json!({"sessions": ["session-zanzibar"]})).await;
+    assert_eq!(alone.pointers(), ["/sessions/0"]);
+    assert!(alone.body.to_string().contains("release joined"), "{alone:#?}");
+    let both = json!({"sessions": ["session-zanzibar-too"]});
+    server.post(&format!("{MAP}/erase"), &both).await.expect(202);
+    let told = done(&server, "e-1").await;
+    assert_eq!((&told["keyframes"], &told["releases"]), (&json!(2), &json!(1)), "{told:#}");
+    let mut left = found(folder.path());
+    left.retain(|line| !line.starts_with("loop-zanzibar"));
+    assert_eq!(left, Vec::<String>::new());
 }
 
 #[tokio::test]

@@ -1,6 +1,6 @@
 //! Erasures: keyframes and sessions that leave a map, its releases and the disk for good.
 
-use super::ids::{KeyframeId, SessionId};
+use super::ids::{KeyframeId, ReleaseName, SessionId};
 use super::keyframe::Stamp;
 use crate::named::named;
 
@@ -11,6 +11,33 @@ pub enum NewErasure {
     Keyframes(Vec<KeyframeId>),
     /// All keyframes of these sessions, and the sessions' names.
     Sessions(Vec<SessionId>),
+}
+
+/// A session that is a part of another one, in the map as it stands or in a release of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MergedInVersion {
+    /// The release; none: the map as it stands.
+    pub release: Option<ReleaseName>,
+    /// The session that went.
+    pub session: SessionId,
+    /// The session that its keyframes are of from then on.
+    pub into: SessionId,
+}
+
+/// Returns sessions with all that merged into them in any version of the map: a session is what was sent as it, with every
+/// merge that any version knows.
+pub fn with_merged(sessions: &[SessionId], merges: &[MergedInVersion]) -> Vec<SessionId> {
+    let mut all = sessions.to_vec();
+    let mut at = 0;
+    while let Some(into) = all.get(at).cloned() {
+        for merge in merges.iter().filter(|merge| merge.into == into) {
+            if !all.contains(&merge.session) {
+                all.push(merge.session.clone());
+            }
+        }
+        at += 1;
+    }
+    all
 }
 
 named! {

@@ -1,30 +1,23 @@
 //! Erasures: asked for, and read. [`crate::engine::erasures`] does them.
 
-use crate::domain::erasure::{Erasure, NewErasure};
-use crate::domain::ids::{BackupId, MapId};
+use crate::domain::erasure::{Erasure, MergedInVersion, NewErasure, with_merged};
+use crate::domain::ids::{BackupId, MapId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::engine::keys::keyring::now;
 use crate::engine::{Service, ServiceError};
-use crate::store::{ErasureStep, Job};
+use crate::store::{ErasureStep, Job, MapKey};
 
 impl Service {
     /// Asks for an erasure, which begins at once in the background. What is asked for is on disk when this returns.
     pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure, ServiceError> {
         let _owned = self.own(map).await?;
         let key = self.key_of(map).await?;
-        if let NewErasure::Sessions(sessions) = &asked {
-            let mut errors = Vec::new();
-            for (number, session) in sessions.iter().enumerate() {
-                if let Some(into) = self.store.merged_into(key, session).await? {
-                    let detail = format!("the session is a part of session {into} by now");
-                    let fault = FieldError::new(format!("/sessions/{number}"), detail).got(session);
-                    errors.push(fault.limit(format!("{into}, which is erased with what merged into it")));
-                }
+        let asked = match asked {
+            NewErasure::Sessions(sessions) => {
+                NewErasure::Sessions(self.whole_sessions(key, &sessions).await?)
             }
-            if !errors.is_empty() {
-                return Err(ServiceError::Invalid(errors));
-            }
-        }
+            keyframes @ NewErasure::Keyframes(_) => keyframes,
+        };
         let number = {
             let _asking = self.asking.lock().await;
             let number = self.store.next_erasure(key).await?;
@@ -37,6 +30,35 @@ impl Service {
         self.erasure_of(map, key, number).await
     }
 
+    /// Returns sessions with all that merged into them in any version of the map. Refuses those that are a part of another one in any:
+    /// there they cannot be told from it.
+    async fn whole_sessions(
+        &self,
+        map: MapKey,
+        sessions: &[SessionId],
+    ) -> Result<Vec<SessionId>, ServiceError> {
+        let merges = self.store.merges_of_versions(map).await?;
+        let all = with_merged(sessions, &merges);
+        let mut errors = Vec::new();
+        for (number, session) in sessions.iter().enumerate() {
+            let parts = with_merged(std::slice::from_ref(session), &merges);
+            let is_part =
+                |merge: &&MergedInVersion| parts.contains(&merge.session) && !all.contains(&merge.into);
+            let Some(merge) = merges.iter().find(is_part) else { continue };
+            let (part, into) = (&merge.session, &merge.into);
+            let (detail, cure) = match &merge.release {
+                None => (format!("session {part} is a part of session {into} by now"), String::new()),
+                Some(release) => (
+                    format!("session {part} is a part of session {into} in release {release}"),
+                    String::from(", or delete the release"),
+                ),
+            };
+            let fault = FieldError::new(format!("/sessions/{number}"), detail).got(session);
+            errors.push(fault.limit(format!("{into}, which is erased with what merged into it{cure}")));
+        }
+        if errors.is_empty() { Ok(all) } else { Err(ServiceError::Invalid(errors)) }
+    }
+
     /// Returns an erasure, and the backups that were taken before it was done: they still hold what it erased.
     pub async fn erasure(&self, map: &MapId, number: u64) -> Result<(Erasure, Vec<BackupId>), ServiceError> {
         let erasure = self.erasure_of(map, self.key_of(map).await?, number).await?;
@@ -47,12 +69,7 @@ impl Service {
         Ok((erasure, older))
     }
 
-    async fn erasure_of(
-        &self,
-        map: &MapId,
-        key: crate::store::MapKey,
-        number: u64,
-    ) -> Result<Erasure, ServiceError> {
+    async fn erasure_of(&self, map: &MapId, key: MapKey, number: u64) -> Result<Erasure, ServiceError> {
         let found = self.store.erasure(key, number).await?;
         found.ok_or_else(|| ServiceError::NotFound(format!("there is no erasure e-{number} of map {map}")))
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::decode;
 use super::statement::run;
-use crate::domain::erasure::{Erasure, ErasureState, NewErasure};
+use crate::domain::erasure::{Erasure, ErasureState, MergedInVersion, NewErasure};
 use crate::domain::ids::{KeyframeId, MapId, SessionId};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::MapKey;
@@ -125,19 +125,23 @@ impl Store {
         Ok(sql::query_scalar(select).fetch_all(&self.readers).await?)
     }
 
-    /// Returns the session that another one merged into, if it did.
-    pub async fn merged_into(
-        &self,
-        map: MapKey,
-        session: &SessionId,
-    ) -> Result<Option<SessionId>, StoreError> {
-        let select = "select i.id from session_merges m
+    /// Returns the merges of sessions that the map or a release of it knows.
+    pub async fn merges_of_versions(&self, map: MapKey) -> Result<Vec<MergedInVersion>, StoreError> {
+        let select = "select r.name, s.id, i.id from session_merges m
+            left join releases r on r.release_key = m.map_key
             join sessions s on s.map_key = m.map_key and s.session = m.session
             join sessions i on i.map_key = m.map_key and i.session = m.into_session
-            where m.map_key = $1 and s.id = $2 order by m.version desc limit 1";
-        let query = sql::query_scalar(select).bind(map).bind(session.as_str());
-        let found: Option<String> = query.fetch_optional(&self.readers).await?;
-        found.map(|id| decode::id(&id)).transpose()
+            where m.map_key = $1 or r.map_key = $1 order by m.map_key, m.version";
+        let rows: Vec<(Option<String>, String, String)> =
+            sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
+        let merge = |(release, session, into): (Option<String>, String, String)| {
+            Ok(MergedInVersion {
+                release: release.as_deref().map(decode::id).transpose()?,
+                session: decode::id(&session)?,
+                into: decode::id(&into)?,
+            })
+        };
+        rows.into_iter().map(merge).collect()
     }
 
     /// Whether changes of the map wait to be brought into their rows.
