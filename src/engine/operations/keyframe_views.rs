@@ -33,11 +33,12 @@ pub(super) fn report(
     seq: KeyframeSeq,
     outcomes: &[Outcome],
 ) -> KeyframeReport {
+    let covisible = index.covisibility().degree(seq);
     KeyframeReport {
         keyframe: id.clone(),
         map_version: 0,
-        covisible: index.covisibility().degree(seq),
-        is_cut_off: index.covisibility().is_cut_off(seq),
+        covisible,
+        is_cut_off: covisible == 0 && index.has_others_of_session(seq),
         detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
         revisits: false,
     }

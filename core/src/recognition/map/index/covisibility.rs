@@ -47,12 +47,6 @@ impl<'a> Covisibility<'a> {
         self.joined(keyframe).count()
     }
 
-    /// Whether nothing joins a keyframe with any other, though its session has more of them.
-    pub fn is_cut_off(self, keyframe: KeyframeSeq) -> bool {
-        let session = self.index.keyframe(keyframe).map(|stored| stored.session);
-        session.is_some_and(|session| self.index.odometer.has_way(session)) && self.degree(keyframe) == 0
-    }
-
     /// Returns the neighbours, each with its number of shared map points.
     pub fn shared(self, keyframe: KeyframeSeq) -> impl Iterator<Item = Neighbour> + use<'a> {
         self.joined(keyframe).map(|Joined { other, points, edge, .. }| {

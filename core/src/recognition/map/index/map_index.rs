@@ -201,6 +201,11 @@ impl MapIndex {
         &self.lists
     }
 
+    /// Whether the session of a keyframe has more of them.
+    pub fn has_others_of_session(&self, keyframe: KeyframeSeq) -> bool {
+        self.keyframe(keyframe).is_some_and(|stored| self.odometer.has_way(stored.session))
+    }
+
     /// Returns the objects.
     pub fn objects(&self) -> &Objects {
         &self.objects
