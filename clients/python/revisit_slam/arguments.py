@@ -10,11 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from .errors import RevisitError
-from .imports.arguments import add_import
 
 ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
 EVERY_S = 0.5
 CALIBRATION_TERMS = (4, 8, 9)
+# A keyframe's number comes after it, within the 128 characters of an id.
+MAX_SESSION = 100
+FORMS = ("auto", "colmap", "rtabmap", "stella", "mcap")
+LETTERS = "letters, digits, dots, underscores, colons or hyphens"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -79,7 +82,7 @@ def parser() -> argparse.ArgumentParser:
     doctor.add_argument("source", type=Path, metavar="FOLDER|FILE")
     _add_locate(commands)
     _add_plan(commands)
-    add_import(commands)
+    _add_import(commands)
     sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
         "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")  # fmt: skip
     sample.add_argument("folder", type=Path, metavar="FOLDER")
@@ -99,6 +102,27 @@ def _add_plan(commands: Any) -> None:
     add("--level", metavar="NAME", help="the floor: names it where the file does not, picks it where the file has several")
     add("--language", metavar="LANG", default="", help="which of names in several languages [the file's own, else the first]")
     add("--class", dest="sign_class", metavar="CLASS", default="door_number", help="class of the signs, as detections name it [door_number]")
+
+
+def _add_import(commands: Any) -> None:
+    command: argparse.ArgumentParser = commands.add_parser(
+        "import", help="turn another system's map into a recording",
+        description="Read the map of COLMAP (a model's folder, or a database), RTAB-Map (.db), stella_vslam (.db or .msg), or a "
+        "ROS 2 recording with rtabmap_msgs/MapData (.mcap, or a bag's folder), and write a recording that `revisit replay` plays. "
+        "No server, no ROS and none of these systems is needed. The file is read piece by piece, and never written to.",
+    )  # fmt: skip
+    add = command.add_argument
+    add("source", type=Path, metavar="FILE")
+    add("-o", "--output", type=Path, metavar="NDJSON", required=True, help="the recording (.ndjson or .ndjson.zst)")
+    add("--format", dest="form", choices=FORMS, default="auto", help="what the file is [told by its first bytes and its tables]")
+    add("--map", metavar="ID", default="imported", help="the map's id [imported]")
+    add("--session", metavar="NAME", help="name of the sessions, and of keyframes that only have numbers [the file's name]")
+    add("--metres-per-unit", type=float, metavar="M", help="length of the unit, where the system knows none (COLMAP, one camera)")
+    add("--database", type=Path, metavar="DB", help="with a COLMAP model: its database, whose verified matches are covisible")
+    add("--topic", metavar="TOPIC", help="the topic of MapData [the only one]")
+    add("--query", action="store_true", help="ask for each keyframe whether it is a loop, before the system's own loops of it")
+    add("--json", action="store_true", help="print the counts as one JSON object")
+    add("--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the map; VALUE is JSON or a word")
 
 
 def _add_locate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -177,7 +201,10 @@ def check(chosen: argparse.Namespace) -> None:
         if value is not None and not 0 < value < 1e6:
             raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")
     if not ID.fullmatch(given("map", "photographs")):
-        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+        raise RevisitError(f"--map {chosen.map}: 1 to 128 {LETTERS}")
+    session = given("session")
+    if session is not None and not (ID.fullmatch(session) and len(session) <= MAX_SESSION):
+        raise RevisitError(f"--session {session}: 1 to {MAX_SESSION} {LETTERS}")
     if not 0 <= given("every_s", 0.0) < 1e6:
         raise RevisitError(f"--every-s {chosen.every_s}: seconds, not below 0")
     if given("focal_px") and given("calibration"):
@@ -186,10 +213,14 @@ def check(chosen: argparse.Namespace) -> None:
         raise RevisitError("--no-query: without -o FILE nothing would come of it")
     if given("no_query") and (chosen.server or chosen.report):
         raise RevisitError("--no-query: neither --server nor --report goes with it")
+    sources = given("source", [])
+    sources = [source.absolute() for source in (sources if isinstance(sources, list) else [sources])]
     for name in ("report", "output"):
         path = given(name)
         if path is not None and not path.absolute().parent.is_dir():
             raise RevisitError(f"--{name} {path}: no folder {path.absolute().parent}")
+        if path is not None and path.absolute() in sources:
+            raise RevisitError(f"--{name} {path}: that is the file itself")
         if path is not None and path.is_dir():
             raise RevisitError(f"--{name} {path}: a folder is there")
 

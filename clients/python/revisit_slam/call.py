@@ -12,6 +12,7 @@ import zstandard
 
 from .errors import RevisitError
 
+
 class UnexpectedAnswer(RevisitError):
     """An answer of another shape than the document's, such as a proxy's page."""
 

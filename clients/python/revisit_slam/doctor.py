@@ -67,5 +67,5 @@ def _import(words: list[str]) -> list[str]:
     opened = open_file(Path(words[1]), "auto", Wanted())
     count = sum(1 for _ in opened.keyframes())
     if not count:
-        raise RevisitError("; ".join((f"{words[1]}: no keyframe in it", *opened.notes)))
-    return [f"reads {count} keyframes of {opened.system}", *opened.notes]
+        raise RevisitError("; ".join((f"{words[1]}: no keyframe in it", *opened.account.told())))
+    return [f"reads {count} keyframes of {opened.system}", *opened.account.told()]

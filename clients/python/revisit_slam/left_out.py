@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +10,8 @@ from contextlib import contextmanager
 from .errors import RevisitError
 
 SHOWN_MAX = 5
+# What a file of another form leads its reader to.
+WRONG = (RevisitError, ValueError, TypeError, AttributeError, LookupError, ArithmeticError, struct.error)
 
 
 class Unreadable(RevisitError):
@@ -39,6 +42,14 @@ class LeftOut:
             yield
         except Unreadable as error:
             self.add(error.name, error.why + more)
+
+    @contextmanager
+    def unless(self, name: object, why: str) -> Iterator[None]:
+        """Take one thing apart, which is left out for this reason where it is not what it should be."""
+        try:
+            yield
+        except WRONG:
+            self.add(name, why)
 
     def add_all(self, other: LeftOut, where: str) -> None:
         """Note what was left out of something that this has."""

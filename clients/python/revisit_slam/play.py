@@ -7,7 +7,6 @@ import contextlib
 import signal
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,36 +14,32 @@ import msgspec
 
 from .arguments import check, parser
 from .client import Client
-from .errors import RevisitError
+from .errors import MAX_ERROR, RevisitError, one_line
 from .needed import needed
 from .problems import found
 from .retries import Retries
 from .server import Server
 
 if TYPE_CHECKING:
-    from .pixels.sources import Source
+    from .pixels.sources.source import Source
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; every expected failure is one line."""
     chosen = parser().parse_args(arguments)
     # A stop from outside must stop the server of the run as well.
-    signal.signal(signal.SIGTERM, _stop)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         check(chosen)
         commands = {"sample": _sample, "locate": _locate, "plan": _plan, "import": _import, "doctor": _doctor}
         return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
-        print(f"revisit-play: {error}", file=sys.stderr)
+        print(f"revisit-play: {one_line(error, MAX_ERROR)}", file=sys.stderr)
         return 1
     except BrokenPipeError:
         return 1
     except KeyboardInterrupt:
         print("revisit-play: stopped", file=sys.stderr)
         return 130
-
-
-def _stop(*_: object) -> None:
-    raise KeyboardInterrupt
 
 
 def _sample(chosen: argparse.Namespace) -> int:
@@ -64,9 +59,6 @@ def _plan(chosen: argparse.Namespace) -> int:
 
 
 def _import(chosen: argparse.Namespace) -> int:
-    from .imports.arguments import check_import
-
-    check_import(chosen)
     needed("numpy")
     from .imports.command import play_import
 
@@ -132,7 +124,6 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
             truth=truth,
             settings=_settings(chosen.set),
             names=chosen.names,
-            progress=_progress(),
         )
     for told in (*source.checked().left_out.told(), *(truth.left_out.told() if truth is not None else ())):
         print(f"revisit-play: {told}", file=sys.stderr)
@@ -182,18 +173,6 @@ def _need_pixels() -> None:
     for module in ("numpy", "onnxruntime", "rapidocr"):
         needed(module, extra="read")
     needed("cv2", extra="read").setNumThreads(1)  # Results must not depend on the number of cores.
-
-
-def _progress() -> Callable[[int, int, int], None] | None:
-    if not sys.stderr.isatty():
-        return None
-
-    def show(done: int, total: int, loops: int) -> None:
-        filled = 30 * done // total
-        end = "\n" if done == total else ""
-        print(f"\r[{'#' * filled}{'.' * (30 - filled)}] {done} of {total} photographs, {loops} loops ", end=end, file=sys.stderr, flush=True)
-
-    return show
 
 
 if __name__ == "__main__":

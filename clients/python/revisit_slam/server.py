@@ -66,11 +66,6 @@ class Server:
         # What it prints later must not fill the pipe.
         threading.Thread(target=deque, args=(self._process.stdout, 0), daemon=True).start()
 
-    @property
-    def pid(self) -> int:
-        """Number of the process."""
-        return self._process.pid
-
     def stop(self) -> None:
         """Stop the server; what is in flight is finished first."""
         if self._process.poll() is None:

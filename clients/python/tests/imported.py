@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import zstandard
 
-from revisit_slam.pixels.trajectory import rotation
+from revisit_slam.pixels.rotations import rotation
 from revisit_slam.play import main
 
 

@@ -351,17 +351,17 @@ def test_messages_of_one_moment_come_together_whatever_their_order() -> None:
     assert list(together.add("image", 2060 * ms, "i3")) == []
 
 
-def test_an_inbox_keeps_the_newest_of_a_key_and_outlives_failures() -> None:
+def test_an_inbox_drops_the_oldest_and_outlives_failures() -> None:
     inbox, done, begun, gate = Inbox("test", 3), [], threading.Event(), threading.Event()
     inbox.put(lambda: (begun.set(), gate.wait()))
     assert begun.wait(PATIENCE_S)
     for number in range(3):
-        inbox.put(lambda number=number: done.append(number), key="same")
+        inbox.put(lambda number=number: done.append(number))
     inbox.put(lambda: 1 / 0)
     inbox.put(lambda: done.append("last"))
     gate.set()
     assert inbox.flush(PATIENCE_S)
-    assert done == [2, "last"] and inbox.failed == 1 and inbox.dropped == 0
+    assert done == [2, "last"] and inbox.failed == 1 and inbox.dropped == 2
     inbox.close()
 
 

@@ -172,7 +172,7 @@ def test_a_keyframe_that_is_wrong_is_left_out_and_the_others_are_whole(
     ("form", "damage", "told"),
     [
         ("stella", sql("update landmarks set pos_w = zeroblob(23) where id = 5"), "not of three numbers: landmark 5"),
-        ("stella", sql("update landmarks set pos_w = ? where id = 5", np.full(3, NAN).tobytes()), "is no place: landmark 5"),
+        ("stella", sql("update landmarks set pos_w = ? where id = 5", np.full(3, NAN).tobytes()), "its position is no place: point 5"),
         ("stella_packed", entry("landmarks", "5", "pos_w", value=[1, 2, NAN]), "its position is no place: point 5"),
         ("stella_packed", entry("landmarks", "5", value=[]), "its position is not of 3 numbers: landmark 5"),
     ],
@@ -346,10 +346,10 @@ def test_numbers_of_windows_and_an_unknown_camera_are_left_out(tmp_path: Path, c
 HASHES = [2**63, 2**64 - 2, 3 * 2**61 + 12345, 5, 2**62 + 1]
 
 
-NEGATIVE, FAR = [-7, -8, -2, -(2**63), 3], [2**40, 1, 2, 3, 4]
+NEGATIVE = [-7, -8, -2, -(2**63), 3]
 
 
-@pytest.mark.parametrize(("form", "ids"), [("txt", HASHES), ("bin", HASHES), ("txt", NEGATIVE), ("bin", FAR)])
+@pytest.mark.parametrize(("form", "ids"), [("txt", HASHES), ("bin", HASHES), ("txt", NEGATIVE)])
 def test_ids_of_points_that_the_server_does_not_take_are_numbered(
     form: str, ids: list[int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

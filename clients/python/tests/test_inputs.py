@@ -31,9 +31,9 @@ from revisit_slam.errors import RevisitError  # noqa: E402
 from revisit_slam.left_out import LeftOut  # noqa: E402
 from revisit_slam.pixels.camera import Calibration  # noqa: E402
 from revisit_slam.pixels.frames import Frame, list_frames, readable  # noqa: E402
-from revisit_slam.pixels.sources import Source  # noqa: E402
 from revisit_slam.pixels.sources.bag.pictures import ENCODINGS, frames_of  # noqa: E402
 from revisit_slam.pixels.sources.opening import open_source  # noqa: E402
+from revisit_slam.pixels.sources.source import Source  # noqa: E402
 from revisit_slam.pixels.turn import Turn, moved  # noqa: E402
 from revisit_slam.play import main  # noqa: E402
 

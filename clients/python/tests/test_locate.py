@@ -88,9 +88,9 @@ def test_the_table_shows_ordinary_methods_beside_it(tower: Path) -> None:
     [
         (["frame,floor"], "no columns `frame` and `floor` and `split` in its first line, which is: frame, floor"),
         (["frame,level,split"], "no columns `frame` and `floor` and `split`"),
-        (["frame,floor,split", "f1_frame_000001,1,other"], "line 2: `split` is `other`"),
-        (["frame,floor,split", "f1_frame_000001,,query"], "line 2: `frame` and `floor` and `split` must not be empty"),
-        (["frame,floor,split", "f1_frame_000001,1,query", "f1_frame_000001.png,2,query"], "line 3: f1_frame_000001.png stands"),
+        (["frame,floor,split", "f1_frame_000001,1,other"], "`split` is `other`; known are gallery and query: truth.csv, line 2"),
+        (["frame,floor,split", "f1_frame_000001,,query"], "`frame` and `floor` and `split` must not be empty: truth.csv, line 2"),
+        (["frame,floor,split", "f1_frame_000001,1,query", "f1_frame_000001.png,2,query"], "stands there twice, with different values: truth.csv, line 3"),
         (["frame,floor,split", "f1_frame_000001,1,query"], "no floor for f1_frame_000002.png and 14 others"),
     ],
 )

@@ -19,7 +19,7 @@ from fixtures import Timed  # noqa: E402
 from test_play import play  # noqa: E402
 
 from revisit_slam.pixels.camera import Calibration  # noqa: E402
-from revisit_slam.pixels.trajectory import rotation  # noqa: E402
+from revisit_slam.pixels.rotations import rotation  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -12,30 +12,27 @@ from typing import Any
 class Inbox:
     """A bounded queue and the thread that empties it, in order.
 
-    `put` returns at once, whatever the thread does. Of items with one key only the newest waits. Where the queue is
-    full the oldest item is dropped, and counted.
+    `put` returns at once, whatever the thread does. Where the queue is full the oldest item is dropped, and counted.
     """
 
     def __init__(self, name: str, most: int) -> None:
         self._most = most
-        self._waiting: deque[tuple[Any, Callable[[], Any]]] = deque()
+        self._waiting: deque[Callable[[], Any]] = deque()
         self._busy = self._closing = False
         self.dropped = self.failed = 0
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def put(self, work: Callable[[], Any], key: Any = None) -> None:
+    def put(self, work: Callable[[], Any]) -> None:
         """Leave work to the thread."""
         with self._changed:
             if self._closing:
                 return
-            if key is not None:
-                self._waiting = deque(item for item in self._waiting if item[0] != key)
             if len(self._waiting) >= self._most:
                 self._waiting.popleft()
                 self.dropped += 1
-            self._waiting.append((key, work))
+            self._waiting.append(work)
             self._changed.notify_all()
 
     def flush(self, timeout_s: float) -> bool:
@@ -59,7 +56,7 @@ class Inbox:
                 self._changed.wait_for(lambda: self._waiting or self._closing)
                 if self._closing:
                     return
-                _, work = self._waiting.popleft()
+                work = self._waiting.popleft()
                 self._busy = True
             try:
                 work()

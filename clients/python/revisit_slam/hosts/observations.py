@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..imports.observation import Observation
-from ..imports.poses import inverse
+from ..imports.poses import apart
 from ..imports.rtabmap.messages import camera_of, pose_of
 from ..pixels.pinhole import Pinhole
 from .bridge import Bridge
@@ -110,8 +110,10 @@ class ObservationsBridge:
             self.without_camera += 1
             return
         pose = pose_of(found["pose"].pose, "PoseStamped") @ self._setup.base_from_camera
-        if self._last is not None and not self._is_apart(self._last[1], pose):
-            return
+        if self._last is not None:
+            distance_m, turn_rad = apart(self._last[1], pose)
+            if distance_m < self._setup.keyframe_distance_m and turn_rad < self._setup.keyframe_turn_rad:
+                return
         picture = picture_of(found["image"])
         id = f"{self._setup.session}-{moment_ns}"
         seen = Observation(
@@ -129,8 +131,3 @@ class ObservationsBridge:
             self._stamps[id] = moment_ns
             if len(self._stamps) > MAX_REMEMBERED:
                 self._stamps.popitem(last=False)
-
-    def _is_apart(self, before: np.ndarray, after: np.ndarray) -> bool:
-        way = inverse(before) @ after
-        turned = np.arccos(np.clip((np.trace(way[:3, :3]) - 1) / 2, -1, 1))
-        return bool(np.linalg.norm(way[:3, 3]) >= self._setup.keyframe_distance_m or turned >= self._setup.keyframe_turn_rad)

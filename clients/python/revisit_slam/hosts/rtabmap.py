@@ -10,10 +10,10 @@ import numpy as np
 
 from ..imports.damage import Account
 from ..imports.limits import MAX_KEYFRAMES
+from ..imports.poses import apart, inverse, moved
 from ..imports.poses import body as pose_body
-from ..imports.poses import inverse, moved
-from ..imports.rtabmap.links import LOOPS, NEIGHBOUR, NEIGHBOUR_MERGED, USER_CLOSURE
 from ..imports.rtabmap.messages import Graph, graph_of, observation_of
+from ..imports.rtabmap.node import LOOPS, NEIGHBOUR, NEIGHBOUR_MERGED, USER_CLOSURE
 from .bridge import Bridge
 from .loops import Edge, Loop, Trust, edge_of, inverse_jacobian
 
@@ -162,7 +162,8 @@ class RtabmapBridge:
             node = self._followed.get(id)
             if node is None or not self._bridge.is_stored(node.name):
                 continue
-            if _has_moved(node.map_from_base if node.queued is None else node.queued, map_from_base):
+            distance_m, turn_rad = apart(node.map_from_base if node.queued is None else node.queued, map_from_base)
+            if distance_m > MOVED_M or turn_rad > TURNED_RAD:
                 changed.setdefault(node.session, []).append((node, map_from_base))
         for session, nodes in changed.items():
             for start in range(0, len(nodes), NODES_A_CORRECTION):
@@ -190,8 +191,3 @@ class RtabmapBridge:
         for node, pose in nodes:
             node.queued = pose
         self._bridge.correct(session, body, done)
-
-
-def _has_moved(before: np.ndarray, after: np.ndarray) -> bool:
-    turned = np.arccos(np.clip((np.trace(before[:3, :3].T @ after[:3, :3]) - 1) / 2, -1, 1))
-    return bool(np.linalg.norm(after[:3, 3] - before[:3, 3]) > MOVED_M or turned > TURNED_RAD)

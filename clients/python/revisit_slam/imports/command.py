@@ -9,9 +9,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..errors import RevisitError
+from ..errors import RevisitError, one_line
 from ..pixels.recording import Recording
-from .damage import in_one_line, one_line
 from .opened import Opened, Wanted
 from .opening import open_file
 
@@ -20,21 +19,18 @@ COUNTED = ("keyframes", "map_points", "observations", "features", "words", "dete
 
 def play_import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     """Read a file, and write its recording."""
-    with in_one_line():
-        return _import(chosen, settings)
-
-
-def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
+    if not chosen.source.exists():
+        raise RevisitError(f"{chosen.source}: no such file")
     wanted = Wanted(chosen.session, chosen.metres_per_unit, chosen.topic, chosen.database)
     opened = open_file(chosen.source, chosen.form, wanted)
     name = chosen.source.resolve().name.encode("utf-8", "replace").decode()
     body = {"description": f"{opened.system} {name}", "metric": opened.metric, "settings": settings}
     with Recording(chosen.output) as recording:
-        recording.map(chosen.map, body)
+        recording.write("map", id=chosen.map, body=body)
         counts = _write(opened, recording, chosen.query)
         if not counts["keyframes"]:
-            raise RevisitError("; ".join((f"{chosen.source}: no keyframe in it", *opened.notes)))
-    for line in opened.notes:
+            raise RevisitError("; ".join((f"{chosen.source}: no keyframe in it", *opened.account.told())))
+    for line in opened.account.told():
         print(f"revisit-play: {one_line(line)}", file=sys.stderr)
     if chosen.json:
         print(msgspec.json.encode(counts).decode())
@@ -48,11 +44,11 @@ def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
 def _write(opened: Opened, recording: Recording, query: bool) -> dict[str, int]:
     counts = dict.fromkeys(COUNTED, 0)
     for seen in opened.keyframes():
-        recording.keyframe(seen.id, seen.body())
+        recording.write("keyframe", id=seen.id, body=seen.body())
         if query:
             recording.query(seen.id, None)
         for number, earlier in enumerate(seen.loops, counts["loops"]):
-            recording.loop({"id": f"loop-{number}", "keyframe": seen.id, "candidate": earlier})
+            recording.write("loop", body={"id": f"loop-{number}", "keyframe": seen.id, "candidate": earlier})
         points = seen.features.points if seen.features is not None else np.empty(0)
         # A feature of a point is an observation as well.
         observations = len(seen.observes) + int((points >= 0).sum())

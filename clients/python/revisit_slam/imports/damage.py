@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import RevisitError
 from ..files import how_to_mend
-from ..left_out import LeftOut
+from ..left_out import WRONG, LeftOut
 
-MAX_TOLD = 600
 MAX_REASONS = 10
 
 
@@ -53,7 +51,7 @@ class Account:
         where = f"{self.path}: {name}"
         try:
             yield where
-        except (RevisitError, ValueError, TypeError, LookupError, ArithmeticError, struct.error) as error:
+        except WRONG as error:
             why = str(error).removeprefix(where).lstrip(": ") or type(error).__name__
             self.left_out.add(name, why.splitlines()[0])
 
@@ -62,18 +60,3 @@ class Account:
         lines = self.left_out.told()
         others = [f"and left out for {len(lines) - MAX_REASONS} other reasons"] if len(lines) > MAX_REASONS else []
         return [*self.notes, *lines[:MAX_REASONS], *others]
-
-
-@contextmanager
-def in_one_line() -> Iterator[None]:
-    """Keep what a damaged file calls its parts from being printed as it is: names may be long, or have lines of their own."""
-    try:
-        yield
-    except RevisitError as error:
-        raise RevisitError(one_line(str(error))) from error
-
-
-def one_line(told: str) -> str:
-    """Return a sentence as it may be printed."""
-    told = "".join(letter if letter.isprintable() else "?" for letter in told)
-    return told if len(told) <= MAX_TOLD else f"{told[:MAX_TOLD]} .."

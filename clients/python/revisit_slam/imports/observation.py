@@ -18,14 +18,16 @@ from .poses import body as pose_body
 SECOND_NS = 1_000_000_000
 NO_POINT = -1
 # What the server takes: seconds of the years that a calendar prints, levels of a pyramid.
-MAX_STAMP_NS = 253_402_300_799 * SECOND_NS
+MAX_STAMP_S = 253_402_300_799
 MAX_OCTAVE = 63
 
 
-def nanoseconds_of(seconds: float) -> int | None:
-    """Return a time in nanoseconds; None where it is none that the server takes."""
+def nanoseconds_of(seconds: float) -> int:
+    """Return a time in nanoseconds, or say that the server takes no such time."""
     # Not `>`: a number that is none is above nothing.
-    return round(seconds * SECOND_NS) if abs(seconds) <= MAX_STAMP_NS / SECOND_NS else None
+    if not abs(seconds) <= MAX_STAMP_S:
+        raise RevisitError(f"its time {seconds:g} s is none")
+    return round(seconds * SECOND_NS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +88,6 @@ class Observation:
 
     def __post_init__(self) -> None:
         # Before any later keyframe can name it, or count on the points that it places.
-        if not abs(self.stamp_ns) <= MAX_STAMP_NS:
-            raise RevisitError(f"its time {self.stamp_ns / SECOND_NS:g} s is none")
         if len(self.observes) > MAX_OBSERVED_POINTS:
             raise RevisitError(f"it observes {len(self.observes)} map points; at most {MAX_OBSERVED_POINTS} are taken")
 

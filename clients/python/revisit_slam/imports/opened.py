@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..arguments import MAX_SESSION
 from ..pixels.ids import plain_id
-from .arguments import MAX_SESSION
 from .damage import Account
 from .observation import Observation
 
@@ -37,8 +37,3 @@ class Opened:
     """Reads them in order of time; an observation names only earlier ones."""
     account: Account
     """Reading adds to it."""
-
-    @property
-    def notes(self) -> list[str]:
-        """What a person should know of what is assumed and left out."""
-        return self.account.told()

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RevisitError
-from ..pixels.rotations import quaternion_xyzw
-from ..pixels.trajectory import rotation
+from ..pixels.rotations import pose_of, quaternion_xyzw
 from .limits import MAX_COORDINATE_M
 
 # Files that keep 32-bit floats are off by 1e-6; what is farther off is no rotation.
@@ -20,9 +19,7 @@ def matrix(translation: Any, xyzw: Any, where: str) -> np.ndarray:
     translation, xyzw = np.asarray(translation, float), np.asarray(xyzw, float)
     if not np.isfinite(xyzw).all() or not np.linalg.norm(xyzw) > 1e-9:
         raise RevisitError(f"{where}: its rotation is no quaternion")
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation(xyzw), checked(translation, where)
-    return pose
+    return pose_of(checked(translation, where), xyzw)
 
 
 def rigid(rows: Any, where: str) -> np.ndarray:
@@ -58,6 +55,12 @@ def body(pose: np.ndarray) -> dict[str, dict[str, float]]:
         "translation": {axis: float(value) + 0.0 for axis, value in zip("xyz", pose[:3, 3])},
         "rotation": {axis: float(value) + 0.0 for axis, value in zip("xyzw", quaternion_xyzw(pose[:3, :3]))},
     }
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> tuple[float, float]:
+    """Return how far two poses of one frame are from each other, in its unit and in radians."""
+    turned = np.arccos(np.clip((np.trace(one[:3, :3].T @ other[:3, :3]) - 1) / 2, -1, 1))
+    return float(np.linalg.norm(other[:3, 3] - one[:3, 3])), float(turned)
 
 
 def moved(pose: np.ndarray, positions: np.ndarray) -> np.ndarray:

@@ -60,13 +60,15 @@ def tables(path: Path) -> dict[str, set[str]]:
         return {name: {row[1] for row in connection.execute(f"pragma table_info({_quoted(name)})")} for name in names}
 
 
-def need_columns(path: Path, found: dict[str, set[str]], needed: dict[str, tuple[str, ...]], system: str) -> None:
-    """Refuse a database without what a system's databases have."""
+def need_columns(path: Path, needed: dict[str, tuple[str, ...]], system: str) -> dict[str, set[str]]:
+    """Return the columns of each table; a database without what a system's databases have is refused."""
+    found = tables(path)
     for table, columns in needed.items():
         missing = [column for column in columns if column not in found.get(table, set())]
         if missing:
             what = f"table {table}" if table not in found else f"column {missing[0]} in table {table}"
             raise RevisitError(f"{path}: no {what}, which the {system} has")
+    return found
 
 
 def _quoted(name: str) -> str:

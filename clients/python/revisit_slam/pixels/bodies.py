@@ -46,7 +46,7 @@ class Bodies:
             "pose": {"translation": _vector(pose[:3, 3]), "rotation": quaternion(pose[:3, :3])},
             "camera": tracked.camera.body(),
             "bow": self._vocabulary.bag(tracked.features.descriptors),
-            "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
+            "covisible": tracked.covisible,
         }
         if self._globals is not None:
             body["global_descriptor"] = self._globals.of(view.turn.seen(view.image))

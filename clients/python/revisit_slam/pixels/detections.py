@@ -8,8 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from .pinhole import Pinhole
 from .frames import View
+from .pinhole import Pinhole
 from .ranges import Ranges
 from .signs import Sign
 

@@ -54,7 +54,7 @@ def keyframes(frames: Iterable[Frame], options: Options, left_out: LeftOut) -> I
     def read(one: _Chosen) -> tuple[_Chosen, list[Line]]:
         return one, reader.read(one.view.key, one.view.turn.seen(one.view.image))
 
-    for chosen, lines in ahead(_choose(frames, options, left_out), read, options.threads):
+    for chosen, lines in ahead(_choose(frames, options, left_out), read, options.threads, lambda _: None):
         tracked, turn = chosen.tracked, chosen.view.turn
         width, height = (tracked.camera.width, tracked.camera.height)[:: -1 if turn.transposed else 1]
         matrix = turn.stored_from_seen(width, height)

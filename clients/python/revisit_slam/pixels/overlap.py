@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from .pinhole import Pinhole
 from .features import Features
+from .pinhole import Pinhole
 
 RATIO = 0.8
 MAX_HAMMING = 64

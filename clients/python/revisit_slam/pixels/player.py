@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..client import Client
 from ..models import Candidate, LoopAnswer
+from .ahead import progress
 from .evidence import reads_another_name
 from .frames import Frame
 from .keyframes import Keyframe, keyframes
 from .options import Options
 from .recording import Recording
 from .signs import SIGN_CLASS, Sign
-from .sources import Source
+from .sources.source import Source
 from .truth import Score, Truth
 
 
@@ -97,7 +98,6 @@ def play(
     truth: Truth | None = None,
     settings: dict[str, Any] | None = None,
     names: bool = False,
-    progress: Callable[[int, int, int], None] | None = None,
 ) -> Run:
     """Play photographs to a server, a recording, or both."""
     begun = time.monotonic()
@@ -108,21 +108,21 @@ def play(
     if settings:
         body["settings"] = settings
     if recording is not None:
-        recording.map(map_id, body)
+        recording.write("map", id=map_id, body=body)
     if client is not None:
         client.put_map(map_id, body)
+    show = progress("photographs", len(source.frames))
     done = {frame.id: number for number, frame in enumerate(source.frames, 1)}
     for keyframe in keyframes(source.frames, options, source.left_out):
         id = keyframe.frame.id
         if recording is not None:
-            recording.keyframe(id, keyframe.body)
+            recording.write("keyframe", id=id, body=keyframe.body)
             recording.query(id, truth.lists(id, run.seen) if truth is not None else None)
         run.seen[id] = _send(client, map_id, keyframe, run)
         answer = run.seen[id].answer
         if answer is not None:
             run.score.count(truth, id, answer.verdict, answer.best, answer.loops)
-        if progress is not None:
-            progress(done[id], len(source.frames), run.score.accepted)
+        show(done[id])
     run.score.seconds = round(time.monotonic() - begun, 1)
     return run
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .pinhole import Pinhole
 from .frames import Frame
+from .pinhole import Pinhole
 
 # Letters of this height are assumed where nothing measures a distance; the server compares bearings only. What the
 # guess still decides is which sightings are one sign: the server joins those within 0.75 m, here two and a half heights

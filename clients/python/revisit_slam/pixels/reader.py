@@ -77,10 +77,9 @@ class Reader:
             return []
         lines = []
         for polygon, text, confidence in list(zip(found.boxes, found.txts, found.scores))[:MAX_LINES]:
-            low, high = np.min(polygon, axis=0), np.max(polygon, axis=0)
-            box = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+            box = tuple(round(float(side), 1) for side in (*np.min(polygon, axis=0), *np.max(polygon, axis=0)))
             again, sure = self._second(engine, image, polygon)
-            lines.append(Line(_rounded(box), text.strip(), round(float(confidence), 4), again, sure))
+            lines.append(Line(box, text.strip(), round(float(confidence), 4), again, sure))
         return lines
 
     def _second(self, engine: object, image: np.ndarray, polygon: np.ndarray) -> tuple[str, float]:
@@ -105,10 +104,6 @@ class Reader:
                 }
             )
         return self._own.engine
-
-
-def _rounded(box: tuple[float, ...]) -> tuple[float, float, float, float]:
-    return tuple(round(side, 1) for side in box)  # type: ignore[return-value]
 
 
 def _straightened(image: np.ndarray, polygon: np.ndarray) -> np.ndarray | None:

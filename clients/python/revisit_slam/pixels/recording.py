@@ -26,31 +26,14 @@ class Recording:
         if path.suffix == ".zst":
             self._file = zstandard.ZstdCompressor(level=10).stream_writer(self._raw, closefd=False)
 
-    def map(self, id: str, body: dict[str, Any]) -> None:
-        """Write the map that all later lines belong to."""
-        self._write({"op": "map", "id": id, "body": body})
-
-    def keyframe(self, id: str, body: dict[str, Any]) -> None:
-        """Write a keyframe."""
-        self._write({"op": "keyframe", "id": id, "body": body})
+    def write(self, op: str, **line: Any) -> None:
+        """Write an operation; the map that all later ones belong to comes first."""
+        self._file.write(msgspec.json.encode({"op": op, **line}) + b"\n")
 
     def query(self, keyframe: str, truth: tuple[list[str], list[str]] | None) -> None:
         """Write a query, with the keyframes that are right and those that are not scored."""
-        line: dict[str, Any] = {"op": "query", "keyframe": keyframe, "body": {"verify": "auto"}}
-        if truth is not None:
-            line["truth"], line["ignore"] = truth
-        self._write(line)
-
-    def anchor(self, id: str, body: dict[str, Any]) -> None:
-        """Write a prior anchor."""
-        self._write({"op": "anchor", "id": id, "body": body})
-
-    def loop(self, body: dict[str, Any]) -> None:
-        """Write a loop that was closed."""
-        self._write({"op": "loop", "body": body})
-
-    def _write(self, line: dict[str, Any]) -> None:
-        self._file.write(msgspec.json.encode(line) + b"\n")
+        judged = {} if truth is None else {"truth": truth[0], "ignore": truth[1]}
+        self.write("query", keyframe=keyframe, body={"verify": "auto"}, **judged)
 
     def __enter__(self) -> Recording:
         return self

@@ -13,7 +13,7 @@ from ..models import Candidate
 from .evidence import agreeing, contradicting
 from .player import Run, Seen
 from .signs import Sign
-from .sources import Source
+from .sources.source import Source
 from .table import because, mark
 from .truth import Truth
 

@@ -1,4 +1,4 @@
-"""Rotations: a matrix as a quaternion."""
+"""Rotations: matrices and quaternions."""
 
 from __future__ import annotations
 
@@ -21,3 +21,22 @@ def quaternion_xyzw(rotation: np.ndarray) -> np.ndarray:
     else:
         q = np.array([m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]])
     return q / np.linalg.norm(q)
+
+
+def rotation(quaternion: np.ndarray) -> np.ndarray:
+    """Return a quaternion (x, y, z, w; of any length) as a matrix."""
+    x, y, z, w = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def pose_of(translation: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """Return a translation and a quaternion (x, y, z, w; of any length) as a pose (4 x 4)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation(quaternion), translation
+    return pose

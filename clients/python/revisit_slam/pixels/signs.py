@@ -9,8 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from .pinhole import Pinhole
 from .overlap import Overlap
+from .pinhole import Pinhole
 from .reader import Line
 
 Boxed = TypeVar("Boxed", Line, "Sign")

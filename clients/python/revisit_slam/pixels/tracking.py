@@ -8,18 +8,22 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from .pinhole import Pinhole
 from .features import Features
 from .frames import Frame
+from .ids import plain_id
 from .overlap import Overlap, overlap
+from .pinhole import Pinhole
 from .rotations import quaternion_xyzw
 
 # The view is lost where fewer inliers than this join the picture with each of the last few.
 MIN_INLIERS = 15
 LOOK_BACK = 3
+# Of a session, before its number.
+MAX_NAME = 100
 
 
 @dataclass(frozen=True)
@@ -32,8 +36,12 @@ class Tracked:
     session: str
     session_from_camera: np.ndarray
     """4 x 4."""
-    covisible: list[tuple[str, int]] = field(default_factory=list)
     overlaps: list[tuple[str, Overlap]] = field(default_factory=list)
+
+    @property
+    def covisible(self) -> list[dict[str, Any]]:
+        """The photographs that it overlaps, as the API takes them."""
+        return [{"keyframe": id, "shared": found.inliers} for id, found in self.overlaps]
 
 
 class Tracker:
@@ -54,7 +62,7 @@ class Tracker:
         if frame.session_from_camera is not None:
             # One trajectory holds a video together, also where the view is lost.
             session = session_name(frame.session or frame.video, 1)
-            return Tracked(frame, features, camera, session, frame.session_from_camera, *_shared(joined))
+            return Tracked(frame, features, camera, session, frame.session_from_camera, [(older.frame.id, found) for older, found in joined])
         if not joined:
             count = self._sessions.get(frame.video, 0) + 1
             return Tracked(frame, features, camera, session_name(frame.video, count), np.eye(4))
@@ -62,27 +70,19 @@ class Tracker:
         older, best = max(joined, key=lambda pair: pair[1].inliers)
         turned = np.eye(4)
         turned[:3, :3] = older.session_from_camera[:3, :3] @ best.older_from_newer
-        same = [(other, found) for other, found in joined if other.session == older.session]
-        return Tracked(frame, features, camera, older.session, turned, *_shared(same))
+        same = [(other.frame.id, found) for other, found in joined if other.session == older.session]
+        return Tracked(frame, features, camera, older.session, turned, same)
 
     def keep(self, tracked: Tracked) -> None:
         """Make a photograph one that later ones may overlap."""
-        if not tracked.covisible:
+        if not tracked.overlaps:
             self._sessions[tracked.frame.video] = self._sessions.get(tracked.frame.video, 0) + 1
         self._recent.append(tracked)
 
 
-def _shared(joined: list[tuple[Tracked, Overlap]]) -> tuple[list[tuple[str, int]], list[tuple[str, Overlap]]]:
-    return (
-        [(other.frame.id, found.inliers) for other, found in joined],
-        [(other.frame.id, found) for other, found in joined],
-    )
-
-
 def session_name(video: str, count: int) -> str:
     """Return the name of the n-th session of a video, within what the API allows."""
-    plain = "".join(letter if letter.isalnum() and letter.isascii() or letter in "._:-" else "_" for letter in video)
-    return f"{plain[:100] or 'video'}-{count}"
+    return f"{plain_id(video or 'video', MAX_NAME)}-{count}"
 
 
 def quaternion(rotation: np.ndarray) -> dict[str, float]:

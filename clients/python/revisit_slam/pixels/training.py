@@ -14,16 +14,16 @@ OF_EACH = 200
 ROUNDS = 8
 
 
-def train_vocabulary(documents: Sequence[np.ndarray], depth: int = DEPTH, of_each: int = OF_EACH) -> Vocabulary:
+def train_vocabulary(documents: Sequence[np.ndarray]) -> Vocabulary:
     """Return the vocabulary of photographs, each given by its descriptors (n x 32). The same ones give the same bytes.
 
-    `of_each` descriptors of each photograph shape the tree; all of them count for the weights.
+    Some descriptors of each photograph shape the tree; all of them count for the weights.
     """
     rng = np.random.default_rng(0)
-    sample = [part[rng.permutation(len(part))[:of_each]] for part in documents if len(part)]
+    sample = [part[rng.permutation(len(part))[:OF_EACH]] for part in documents if len(part)]
     bits = np.unpackbits(np.concatenate(sample), axis=1).astype(np.float32) * 2 - 1
-    vocabulary = Vocabulary(_tree(bits, depth), np.ones(BRANCHING**depth, np.float32))
-    seen = np.zeros(BRANCHING**depth)
+    vocabulary = Vocabulary(_tree(bits), np.ones(BRANCHING**DEPTH, np.float32))
+    seen = np.zeros(BRANCHING**DEPTH)
     for part in documents:
         seen[np.unique(vocabulary.words(part))] += 1
     # A word that no photograph had is as rare as one that a single one had.
@@ -31,11 +31,11 @@ def train_vocabulary(documents: Sequence[np.ndarray], depth: int = DEPTH, of_eac
     return Vocabulary(vocabulary.levels, weights)
 
 
-def _tree(bits: np.ndarray, depth: int) -> list[np.ndarray]:
+def _tree(bits: np.ndarray) -> list[np.ndarray]:
     """Return the centres of each level, packed into bytes."""
     rng = np.random.default_rng(0)
     node, levels = np.zeros(len(bits), int), []
-    for level in range(depth):
+    for level in range(DEPTH):
         centres = []
         following = np.zeros(len(bits), int)
         # Members of a node in one stretch each: finding them node by node would read all descriptors each time.

@@ -15,8 +15,8 @@ from ..errors import RevisitError
 from ..files import text_of
 from ..left_out import LeftOut
 from .pose_columns import METRES, NANOSECONDS, TUM, Columns, columns_of
+from .rotations import pose_of
 from .stamps import UNIT_NAMES, unit_ns
-from .stamps import nanoseconds as nanoseconds
 
 # Between two poses further apart than this nothing is made up.
 MAX_GAP_NS = 250_000_000
@@ -70,11 +70,11 @@ class Trajectory:
     def _between(self, stamp_ns: int) -> np.ndarray | None:
         after = bisect.bisect_left(self._times, stamp_ns)
         if after < len(self._times) and self._times[after] == stamp_ns:
-            return _matrix(*self._poses[after])
+            return pose_of(*self._poses[after])
         if after == 0 or after == len(self._times):
             nearest = min(after, len(self._times) - 1)
             near = abs(self._times[nearest] - stamp_ns) <= MAX_OUTSIDE_NS
-            return _matrix(*self._poses[nearest]) if near else None
+            return pose_of(*self._poses[nearest]) if near else None
         t0, t1 = self._times[after - 1], self._times[after]
         if t1 - t0 > MAX_GAP_NS:
             return None
@@ -82,7 +82,7 @@ class Trajectory:
         (p0, q0), (p1, q1) = self._poses[after - 1], self._poses[after]
         # The two are near: the normalised mean of the quaternions is the rotation between them.
         mixed = (1 - share) * q0 + share * (q1 if np.dot(q0, q1) >= 0 else -q1)
-        return _matrix((1 - share) * p0 + share * p1, mixed)
+        return pose_of((1 - share) * p0 + share * p1, mixed)
 
 
 def read_tum(path: Path) -> Trajectory:
@@ -163,21 +163,3 @@ def _unit(path: Path, columns: Columns, times: list[Decimal]) -> tuple[int, tupl
         return unit, ()
     order = ("quaternions are x y z w",) if columns is UNNAMED else ()
     return unit, (f"times are in {UNIT_NAMES[unit]}, by their digits", *order)
-
-
-def _matrix(translation: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation(quaternion), translation
-    return pose
-
-
-def rotation(quaternion: np.ndarray) -> np.ndarray:
-    """Return a quaternion (x, y, z, w; of any length) as a matrix."""
-    x, y, z, w = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import RevisitError
 from ..files import records_of
-from ..left_out import SHOWN_MAX, LeftOut
+from ..left_out import LeftOut
 from .frames import Frame
 
 # Nearer frames of one video show the same passage: naming one of them is no loop found.
@@ -28,18 +28,17 @@ def labels_of(
         RevisitError: Half of the photographs, or more, have no row.
     """
     rows: dict[str, tuple[str, ...]] = {}
-    wrong: dict[int, str] = {}
     twice = set()
     for line, record in records_of(path, ("frame", *columns)):
-        name, row = _plain(record["frame"]), tuple(record[column] for column in columns)
+        where, name, row = f"{path.name}, line {line}", _plain(record["frame"]), tuple(record[column] for column in columns)
         strange = [(column, record[column]) for column, known in columns.items() if known and record[column] not in known]
         if not name or not all(row):
-            wrong[line] = f"`frame` and `{'` and `'.join(columns)}` must not be empty"
+            left_out.add(where, f"`frame` and `{'` and `'.join(columns)}` must not be empty")
         elif strange:
-            wrong[line] = f"`{strange[0][0]}` is `{strange[0][1]}`; known are {' and '.join(columns[strange[0][0]])}"
+            left_out.add(where, f"`{strange[0][0]}` is `{strange[0][1]}`; known are {' and '.join(columns[strange[0][0]])}")
         elif rows.setdefault(name, row) != row:
             twice.add(name)
-            wrong[line] = f"{record['frame']} stands there twice, with different values"
+            left_out.add(where, f"{record['frame']} stands there twice, with different values")
     rows = {name: row for name, row in rows.items() if name not in twice}
     stems: dict[str, set[tuple[str, ...]]] = {}
     for name, row in rows.items():
@@ -53,10 +52,7 @@ def labels_of(
     lacking = [frame.path.name for frame in frames if frame.id not in found]
     if lacking and 2 * len(lacking) >= len(frames):
         others = f" and {len(lacking) - 1} others" if len(lacking) > 1 else ""
-        told = "".join(f"; line {line}: {why}" for line, why in list(wrong.items())[:SHOWN_MAX])
-        raise RevisitError(f"{path}: no floor for {lacking[0]}{others}{told}")
-    for line, why in wrong.items():
-        left_out.add(f"{path.name}, line {line}", why)
+        raise RevisitError("; ".join((f"{path}: no floor for {lacking[0]}{others}", *left_out.told())))
     for name in lacking:
         left_out.add(name, f"no floor in {path.name}, so not judged")
     return found

@@ -28,7 +28,7 @@ def play_plans(chosen: argparse.Namespace) -> int:
         except RevisitError as error:
             errors.append(error)
     if not plans:
-        raise RevisitError("\nrevisit-play: ".join(map(str, errors)))
+        raise RevisitError("; ".join(map(str, errors)))
     lines = _lines(plans, chosen.sign_class)
     for plan in plans:
         _tell(plan)
@@ -39,9 +39,9 @@ def play_plans(chosen: argparse.Namespace) -> int:
     _warn_of_repeated(plans)
     if chosen.output:
         with Recording(chosen.output) as recording:
-            recording.map(chosen.map, {"metric": True})
+            recording.write("map", id=chosen.map, body={"metric": True})
             for name, body in lines:
-                recording.anchor(name, body)
+                recording.write("anchor", id=name, body=body)
         print(f"recording: {chosen.output}", file=sys.stderr)
     if chosen.server:
         with Client(chosen.server, key=chosen.key) as client:

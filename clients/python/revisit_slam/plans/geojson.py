@@ -79,12 +79,10 @@ def _features(path: Path, plan: Plan) -> list[Feature]:
         raise RevisitError(f"{path}: its places are in {system}, not in degrees: {REPROJECT}")
     features = []
     for number, feature in enumerate(listed, 1):
-        try:
+        with plan.left_out.unless(f"{path.name}, feature {number}", "it cannot be read"):
             members = {key: feature[key] for key in ("id", "feature_type") if key in feature}
             outline = _outline(feature["geometry"]) if feature.get("geometry") else []
             features.append({**(feature.get("properties") or {}), **members, "outline": outline})
-        except (LookupError, TypeError, ValueError, AttributeError, OverflowError):
-            plan.left_out.add(f"{path.name}, feature {number}", "it cannot be read")
     return features
 
 

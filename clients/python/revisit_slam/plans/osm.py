@@ -29,11 +29,9 @@ def read_osm(path: Path, level: str | None, language: str = "") -> Plan:
         raise RevisitError(f"{path}: not {FORM}, but of `{root.tag}`: save it as `.osm`, as JOSM does")
     nodes, places = _there(root, "node"), {}
     for id, node in nodes.items():
-        try:
+        with plan.left_out.unless(f"node {id}", "it has no place"):
             place = float(node.attrib["lon"]), float(node.attrib["lat"])
             places |= {id: place} if abs(place[0]) <= 180 and abs(place[1]) <= 90 else {}
-        except (KeyError, ValueError):
-            plan.left_out.add(f"node {id}", "it has no place")
     metres = metres_of(places.values(), plan.source)
     floors: dict[str, tuple[list[Room], list[Point]]] = {}
     untold = 0

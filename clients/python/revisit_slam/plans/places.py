@@ -44,14 +44,10 @@ def centre(outline: Sequence[Point]) -> Point:
     return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
 
 
-def distance_m(place: Point, outline: Sequence[Point]) -> float:
-    """Return the distance of a place from an outline, whose ends need not meet."""
-    return min(_from_segment(place, a, b) for a, b in zip(outline, outline[1:]))
-
-
 def doors_of(outline: Sequence[Point], doors: Iterable[Point]) -> list[Point]:
-    """Return the doors that lie in a room's outline."""
-    return [door for door in doors if distance_m(door, outline) <= DOOR_NEAR_M]
+    """Return the doors that lie in a room's outline, whose ends need not meet."""
+    walls = list(zip(outline, outline[1:]))
+    return [door for door in doors if min(_from_segment(door, *wall) for wall in walls) <= DOOR_NEAR_M]
 
 
 def outward(door: Point, outline: Sequence[Point]) -> Point | None:

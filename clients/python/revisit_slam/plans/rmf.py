@@ -51,12 +51,10 @@ class _Floor:
         # As it is drawn: of each vertex its place, its name and its properties.
         self._vertices: dict[int, tuple[Point, str, dict[str, Any]]] = {}
         for number, vertex in enumerate(self._drawn.get("vertices") or []):
-            try:
+            with plan.left_out.unless(f"{name}: vertex {number}", "no vertex of x, y, z, a name and properties"):
                 x, y, *more = vertex
                 text, properties = (*more[1:], "", {})[:2]
                 self._vertices[number] = self._as_drawn(x, y), words(text), dict(properties or {})
-            except (TypeError, ValueError, OverflowError):
-                plan.left_out.add(f"{name}: vertex {number}", "no vertex of x, y, z, a name and properties")
         self.scale = self._metres_per_pixel() if self._system == IMAGE else 1.0
 
     def add(self, scale: float | None) -> None:
@@ -91,11 +89,9 @@ class _Floor:
     def _edges(self, kind: str) -> Iterator[tuple[Point, Point, dict[str, Any]]]:
         """Yield the ends and the properties of each door or measurement."""
         for number, edge in enumerate(self._drawn.get(kind) or []):
-            try:
+            with self._plan.left_out.unless(f"{self.name}: {number} of {kind}", "it names no two vertices of its level"):
                 start, end, *properties = edge
                 yield self._vertices[start][0], self._vertices[end][0], dict(*properties)
-            except (KeyError, TypeError, ValueError):
-                self._plan.left_out.add(f"{self.name}: {number} of {kind}", "it names no two vertices of its level")
 
     def _metres_per_pixel(self) -> float | None:
         """Return the median of what the measurements say."""
@@ -121,12 +117,11 @@ class _Floor:
     def _lifts(self) -> Iterator[tuple[str, Point]]:
         """Yield the lifts that stop here. Each is drawn on one level; fiducials tell where that is on the others."""
         for name, lift in (self._building.get("lifts") or {}).items():
-            try:
-                if self.name not in map(str, lift.get("level_doors") or {}):
-                    continue
-                place = complex(*self._as_drawn(lift["x"], lift["y"]))
-            except (AttributeError, KeyError, TypeError, ValueError):
-                self._plan.left_out.add(f"{self.name}: {name}", "a lift without a place")
+            place = None
+            with self._plan.left_out.unless(f"{self.name}: {name}", "a lift without a place"):
+                if self.name in map(str, lift.get("level_doors") or {}):
+                    place = complex(*self._as_drawn(lift["x"], lift["y"]))
+            if place is None:
                 continue
             told = (lift.get("reference_floor_name"), self._building.get("reference_level_name"), *self._building["levels"])
             reference = next(str(level) for level in told if level is not None)

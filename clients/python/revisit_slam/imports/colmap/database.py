@@ -16,12 +16,12 @@ import numpy as np
 from ...errors import RevisitError
 from ...needed import needed
 from ...pixels.ids import ids_of_names, plain_id
-from ..damage import Account, told_of
+from ..damage import Account
 from ..limits import MAX_KEYFRAMES
 from ..observation import SECOND_NS, Observation
 from ..opened import Opened, Wanted
 from ..poses import inverse, matrix
-from ..sqlite_file import need_columns, reading, tables
+from ..sqlite_file import need_columns, reading
 from .cameras import camera_of
 
 TABLES = {
@@ -30,6 +30,7 @@ TABLES = {
     "two_view_geometries": ("pair_id", "rows"),
 }
 PRIOR = tuple(f"prior_{part}" for part in ("qw", "qx", "qy", "qz", "tx", "ty", "tz"))
+NO_FEATURES = "SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop"
 # COLMAP's and ORB-SLAM's own: fewer inliers join no two images.
 MIN_INLIERS = 15
 # A pair's number holds both images'; COLMAP numbers images below it.
@@ -40,11 +41,10 @@ class Pairs:
     """Verified pairs of images of a database, by name."""
 
     def __init__(self, path: Path, account: Account) -> None:
-        self._path = path
         self._ids: dict[str, int] = {}
         self._names: dict[int, str] = {}
-        self._unknown = 0
-        need_columns(path, tables(path), TABLES, "database of COLMAP")
+        self.unknown = 0
+        need_columns(path, TABLES, "database of COLMAP")
         needed("pycolmap")
         with reading(path) as connection:
             for id, name in connection.execute("select image_id, name from images"):
@@ -63,14 +63,10 @@ class Pairs:
         """Return the keyframes among the known ones that an image matches, and by how many inliers."""
         id = self._ids.get(name)
         if id is None:
-            self._unknown += 1
+            self.unknown += 1
             return {}
         others = self._neighbours.get(id, {})
         return {known[self._names[other]]: inliers for other, inliers in others.items() if self._names[other] in known}
-
-    def close(self) -> list[str]:
-        """Return what a person should know."""
-        return [f"{self._unknown} of the model's images are not in {self._path}"] if self._unknown else []
 
     def _images(self, pair: Any, where: str) -> tuple[int, int]:
         if not isinstance(pair, int) or not 0 <= pair < MAX_IMAGE_ID * (MAX_IMAGE_ID + 1):
@@ -84,16 +80,10 @@ class Pairs:
 
 def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a database by itself: cameras, matches, and prior poses where there are any."""
-    found = tables(path)
-    need_columns(path, found, TABLES, "database of COLMAP")
-    has_priors = set(PRIOR) <= found["images"]
+    has_priors = set(PRIOR) <= need_columns(path, TABLES, "database of COLMAP")["images"]
     account = Account(path)
-
-    def keyframes() -> Iterator[Observation]:
-        with told_of(path, "SQLite"):
-            yield from _keyframes(path, has_priors, wanted, account)
-
-    return Opened("COLMAP database", wanted.metres_per_unit is not None, keyframes, account)
+    metric = wanted.metres_per_unit is not None
+    return Opened("COLMAP database", metric, lambda: _keyframes(path, has_priors, wanted, account), account)
 
 
 def _keyframes(path: Path, has_priors: bool, wanted: Wanted, account: Account) -> Iterator[Observation]:
@@ -130,7 +120,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, account: Account) -
             f"(revisit-play import MODEL --database {path.name})"
         )
     account.notes.append("no times in a database: images are taken as a second apart, in order of their names")
-    account.notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
+    account.notes.append(NO_FEATURES)
 
 
 def _prior(numbers: list[Any], scale: float, where: str) -> np.ndarray | None:

@@ -6,7 +6,6 @@ what the numbers of a camera mean, and tests hold the reading against its own.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -20,12 +19,11 @@ from ...pixels.stamps import named_time_ns
 from ..damage import Account, told_of
 from ..observation import NO_POINT, SECOND_NS, Observation
 from ..opened import Opened, Wanted
-from ..point_ids import NEAR_IDS, PointIds
 from ..point_store import PointStore
 from ..poses import checked, inverse, matrix
 from .binary import BinaryModel
 from .cameras import Camera
-from .database import Pairs
+from .database import NO_FEATURES, Pairs
 from .image import Image
 from .text import TextModel
 
@@ -33,35 +31,40 @@ FILES = ("cameras", "images", "points3D")
 FORMS: dict[str, type[BinaryModel] | type[TextModel]] = {"bin": BinaryModel, "txt": TextModel}
 
 
+def form_of(model: Path) -> str:
+    """Return the ending of a model's files."""
+    for form in FORMS:
+        if all((model / f"{name}.{form}").is_file() for name in FILES):
+            return form
+    raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
+
+
 def open_map(model: Path, wanted: Wanted) -> Opened:
     """Open a model's folder."""
-    form = next((form for form in FORMS if all((model / f"{name}.{form}").is_file() for name in FILES)), None)
-    if form is None:
-        raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
+    form = form_of(model)
     needed("pycolmap")
     account = Account(model)
-    account.notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
+    account.notes.append(NO_FEATURES)
     if wanted.metres_per_unit is None:
         account.notes.append("a COLMAP model has no unit: the map is not metric; --metres-per-unit tells it")
-
-    def keyframes() -> Iterator[Observation]:
-        with told_of(model, "the reader of COLMAP models"), closing(FORMS[form](model)) as files:
-            yield from _keyframes(model, files, wanted, account)
-
-    return Opened("COLMAP model", wanted.metres_per_unit is not None, keyframes, account)
+    return Opened("COLMAP model", wanted.metres_per_unit is not None, lambda: _keyframes(model, form, wanted, account), account)
 
 
-def _keyframes(model: Path, files: BinaryModel | TextModel, wanted: Wanted, account: Account) -> Iterator[Observation]:
-    cameras = files.cameras(account)
-    images = sorted(files.images(), key=lambda image: image.name)
-    ids = ids_of_names(image.name for image in images)
-    stamps = _stamps(images, account.notes)
-    _tell_of_cameras(cameras, account.notes)
-    pairs = Pairs(wanted.database, account) if wanted.database else None
-    # Earlier ones only are named; images are read in order of time.
-    earlier: dict[str, str] = {}
-    scale, session, placed = wanted.metres_per_unit or 1.0, wanted.name(model), PointIds(str(model))
-    with tempfile.TemporaryDirectory(prefix="revisit-import-") as folder, PointStore(Path(folder), account, NEAR_IDS) as points:
+def _keyframes(model: Path, form: str, wanted: Wanted, account: Account) -> Iterator[Observation]:
+    with (
+        told_of(model, "the reader of COLMAP models"),
+        closing(FORMS[form](model)) as files,
+        PointStore(account) as points,
+    ):
+        cameras = files.cameras(account)
+        images = sorted(files.images(), key=lambda image: image.name)
+        ids = ids_of_names(image.name for image in images)
+        stamps = _stamps(images, account.notes)
+        _tell_of_cameras(cameras, account.notes)
+        pairs = Pairs(wanted.database, account) if wanted.database else None
+        # Earlier ones only are named; images are read in order of time.
+        earlier: dict[str, str] = {}
+        scale, session = wanted.metres_per_unit or 1.0, wanted.name(model)
         for id, x, y, z in files.points():
             points.add(id, x * scale, y * scale, z * scale)
         if points.are_far:
@@ -79,14 +82,13 @@ def _keyframes(model: Path, files: BinaryModel | TextModel, wanted: Wanted, acco
                     ids[image.name], session, stamps[image.name], _pose(image, scale, where), cameras[image.camera].pinhole,
                     observes=list(found), covisible=pairs.earlier(image.name, earlier) if pairs else None,
                 )  # fmt: skip
-                seen.placed.update((id, found[id]) for id in placed.new_of(found))
+                seen.placed.update(points.new_of(found))
                 earlier[image.name] = seen.id
                 yield seen
-        if points.count > placed.count:
-            left = points.count - placed.count
-            account.notes.append(f"{left} of {points.count} points are observed by no image, and are left out")
-    if pairs:
-        account.notes.extend(pairs.close())
+        if points.count > points.seen:
+            account.notes.append(f"{points.count - points.seen} of {points.count} points are observed by no image, and are left out")
+        if pairs and pairs.unknown:
+            account.notes.append(f"{pairs.unknown} of the model's images are not in {wanted.database}")
 
 
 def _pose(image: Image, scale: float, where: str) -> np.ndarray:

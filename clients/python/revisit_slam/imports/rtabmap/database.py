@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 import sqlite3
-from collections import Counter, OrderedDict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,11 +18,9 @@ from ..damage import Account
 from ..limits import MAX_DETECTIONS, MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..opened import Opened, Wanted
-from ..sqlite_file import need_columns, reading, tables
+from ..sqlite_file import need_columns, reading
 from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
-from .landmarks import LANDMARK, detections_of
-from .links import COVISIBLE, LOOPS, shared_words
-from .node import Mounted, Words, observation, stamp_of, usable_descriptors
+from .node import LANDMARK, MAX_WORD, Landmarks, Mounted, Nodes, Words, observation, usable_descriptors
 
 FEATURE = ("word_id", "pos_x", "pos_y", "dir", "octave", "depth_x", "depth_y", "depth_z", "descriptor_size", "descriptor")
 TABLES = {
@@ -36,13 +33,11 @@ TABLES = {
 # Since then a calibration says how long it is.
 SERIALIZED_CALIBRATION = (0, 18, 0)
 MAX_NODE_ID = 2**31 - 1
-# Links name nodes shortly before, but for loops: words of so many are at hand, others are read again.
-NODES_AT_HAND = 64
 
 
 def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a database."""
-    need_columns(path, tables(path), TABLES, "database of RTAB-Map 0.13 and later (open an older one with it once)")
+    need_columns(path, TABLES, "database of RTAB-Map 0.13 and later (open an older one with it once)")
     account = Account(path)
 
     def keyframes() -> Iterator[Observation]:
@@ -59,9 +54,7 @@ class Database:
         self._path, self._connection, self._account = path, connection, account
         self._name = wanted.name(path)
         self._floats_only = self._version() < SERIALIZED_CALIBRATION
-        # Names of the keyframes so far, by node.
-        self._names: dict[int, str] = {}
-        self._at_hand: OrderedDict[int, Counter[int]] = OrderedDict()
+        self._nodes = Nodes()
 
     def keyframes(self) -> Iterator[Observation]:
         """Yield the nodes in the order of their numbers, which is that of time."""
@@ -69,7 +62,7 @@ class Database:
         if not optimised:
             self._account.notes.append("no optimised poses in it: they are those of odometry")
         for id, map_id, weight, stamp, pose in self._connection.execute("select id, map_id, weight, stamp, pose from Node order by id"):
-            if len(self._names) >= MAX_KEYFRAMES:
+            if len(self._nodes.names) >= MAX_KEYFRAMES:
                 raise RevisitError(f"{self._path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
             with self._account.part(f"node {id}") as where:
                 if not isinstance(id, int) or not 0 < id <= MAX_NODE_ID or not isinstance(map_id, int):
@@ -83,22 +76,10 @@ class Database:
                 yield self._keyframe(id, map_id, stamp, map_from_base, where)
 
     def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:
-        words = self._words(id, where)
-        session = f"{self._name}-{map_id}"
-        names = (f"{session}-{id}", session)
-        mounted = self._mounted(id, where)
-        seen = observation(names, id, stamp_of(stamp, id), map_from_base, mounted, words, f"rtabmap:{self._name}")
-        landmarks = self._landmarks(id, where)
-        seen.detections.extend(detections_of(landmarks, map_from_base, mounted.base_from_camera, mounted.camera))
-        self._keep(id, seen.words or Counter())
-        for to, kind in self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,)):
-            if to not in self._names or to >= id:
-                continue
-            if kind in LOOPS:
-                seen.loops.append(self._names[to])
-            elif kind in COVISIBLE:
-                seen.covisible[self._names[to]] = shared_words(seen.words, self._words_of(to))
-        self._names[id] = names[0]
+        words, mounted, landmarks = self._words(id, where), self._mounted(id, where), self._landmarks(id, where)
+        seen = observation(f"{self._name}-{map_id}", id, stamp, map_from_base, mounted, words, landmarks)
+        links = self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,))
+        self._nodes.join(id, seen, links)
         return seen
 
     def _version(self) -> tuple[int, ...]:
@@ -131,7 +112,7 @@ class Database:
             raise RevisitError(f"{where}: its calibration is no blob")
         return Mounted(*(floats_camera_of if self._floats_only else camera_of)(row[0], where))
 
-    def _landmarks(self, id: int, where: str) -> list[tuple[int, np.ndarray]]:
+    def _landmarks(self, id: int, where: str) -> Landmarks:
         rows = self._connection.execute(
             "select to_id, transform from Link where from_id = ? and type = ? and to_id < 0 order by to_id limit ?",
             (id, LANDMARK, MAX_DETECTIONS),
@@ -146,32 +127,15 @@ class Database:
         ).fetchall()
         if len(rows) > MAX_FEATURES:
             raise RevisitError(f"{where} has more than {MAX_FEATURES} features; so many are not taken")
-        if any(not isinstance(value, (int, float)) for row in rows for value in row[:5]) or any(
-            not (value is None or isinstance(value, (int, float))) for row in rows for value in row[5:9]
-        ):
-            raise RevisitError(f"{where}: a feature's numbers are of another kind")
-        points = np.array([[np.nan if value is None else value for value in row[5:8]] for row in rows], float).reshape(-1, 3)
-        return Words(
-            np.array([int(row[0]) for row in rows], np.int64),
-            # 32-bit floats in RTAB-Map itself, and so in the recording.
-            np.array([row[1:3] for row in rows], np.float32).reshape(-1, 2),
-            np.array([int(row[4]) for row in rows], np.int64),
-            np.array([row[3] for row in rows], np.float32),
-            points,
-            _descriptors(rows, where),
-        )
-
-    def _keep(self, id: int, words: Counter[int]) -> None:
-        self._at_hand[id] = words
-        self._at_hand.move_to_end(id)
-        if len(self._at_hand) > NODES_AT_HAND:
-            self._at_hand.popitem(last=False)
-
-    def _words_of(self, id: int) -> Counter[int]:
-        if id not in self._at_hand:
-            found = self._connection.execute("select word_id from Feature where node_id = ? and word_id > 0 limit ?", (id, MAX_FEATURES))
-            self._keep(id, Counter(int(word) for (word,) in found))
-        return self._at_hand[id]
+        try:
+            # What is null there is no number here.
+            numbers = np.array([row[:8] for row in rows], float).reshape(-1, 8)
+        except (TypeError, ValueError) as error:
+            raise RevisitError(f"{where}: a feature's numbers are of another kind") from error
+        ids, octaves = np.nan_to_num(numbers[:, [0, 4]]).clip(-1, MAX_WORD + 1).astype(np.int64).T
+        # 32-bit floats in RTAB-Map itself, and so in the recording.
+        pixels, angles_deg = numbers[:, 1:3].astype(np.float32), numbers[:, 3].astype(np.float32)
+        return Words(ids, pixels, octaves, angles_deg, numbers[:, 5:], _descriptors(rows, where))
 
 
 def _descriptors(rows: list[tuple[Any, ...]], where: str) -> np.ndarray | None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter, OrderedDict
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ...errors import RevisitError
 from ...files import how_to_mend
-from ...needed import needed
+from ..bag import Bag, opened_bag
 from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
@@ -18,12 +16,8 @@ from ..opened import Opened, Wanted
 from ..sqlite_file import not_ended
 from .chunks import check_chunks
 from .definitions import MAP_DATA, typestore
-from .links import COVISIBLE, LOOPS, shared_words
 from .messages import Graph, graph_of, observation_of
-
-MAX_TOLD = 12
-# A message has every node once; those that are not at hand any more share words that are not counted.
-NODES_AT_HAND = 1024
+from .node import Nodes
 
 
 def open_map(path: Path, wanted: Wanted) -> Opened:
@@ -36,63 +30,41 @@ def open_map(path: Path, wanted: Wanted) -> Opened:
             if part.suffix == ".db3" and not_ended(part):
                 raise RevisitError(f"{part}: {not_ended(part)}")
             check_chunks(part)
-    with _reading(path) as reader:
-        topic = _topic(path, reader, wanted.topic)
+    with opened_bag(path, [path], typestore(), account.left_out) as bag:
+        topic = bag.one("--topic", wanted.topic, (MAP_DATA,))
+        if topic is None:
+            raise RevisitError(f"{path}: no {MAP_DATA} in it; it has {bag.told()}")
 
     def keyframes() -> Iterator[Observation]:
-        with _reading(path) as reader:
-            yield from _keyframes(path, reader, topic, wanted, account)
+        with opened_bag(path, [path], typestore(), account.left_out) as bag:
+            yield from _keyframes(bag, topic, wanted.name(path), account)
 
     return Opened("RTAB-Map's MapData", True, keyframes, account)
 
 
-@contextmanager
-def _reading(path: Path) -> Iterator[Any]:
-    highlevel = needed("rosbags.highlevel", "rosbags")
-    with told_of(path, "rosbags"), highlevel.AnyReader([path], default_typestore=typestore()) as reader:
-        yield reader
-
-
-def _topic(path: Path, reader: Any, named: str | None) -> str:
-    """Return the topic of MapData that was named, or the only one."""
-    topics = sorted({connection.topic for connection in reader.connections if connection.msgtype == MAP_DATA})
-    if named is not None and named not in topics:
-        raise RevisitError(f"--topic {named}: {path} has {', '.join(topics) or f'no {MAP_DATA}'}")
-    if not topics:
-        there = sorted({f"{connection.topic} ({connection.msgtype}, {connection.msgcount})" for connection in reader.connections})
-        raise RevisitError(f"{path}: no {MAP_DATA} in it; it has {', '.join(there[:MAX_TOLD]) or 'nothing'}")
-    if named is None and len(topics) > 1:
-        raise RevisitError(f"{path}: several topics; --topic names one: {', '.join(topics[:MAX_TOLD])}")
-    return named or topics[0]
-
-
-def _messages(reader: Any, topic: str) -> Iterator[bytes]:
-    connections = [connection for connection in reader.connections if connection.topic == topic and connection.msgtype == MAP_DATA]
-    for _, _, data in reader.messages(connections):
+def _messages(bag: Bag, topic: str) -> Iterator[bytes]:
+    for _, _, data in bag.raw(topic):
         if len(data) > MAX_PIECE_BYTES:
             raise RevisitError(f"{topic}: a message of {len(data)} bytes; at most {MAX_PIECE_BYTES >> 20} MiB are taken")
         yield data
 
 
-def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, account: Account) -> Iterator[Observation]:
-    name = wanted.name(path)
-    final = _last_graph(path, reader, topic, account)
+def _keyframes(bag: Bag, topic: str, name: str, account: Account) -> Iterator[Observation]:
+    final = _last_graph(bag, topic, account)
     neighbours = _neighbours(final)
-    # None for a node that was left out.
-    names: dict[int, str | None] = {}
-    words: OrderedDict[int, Counter[int]] = OrderedDict()
+    nodes, came = Nodes(), set[int]()
     left_graph = 0
-    for number, data in enumerate(_messages(reader, topic), 1):
+    for number, data in enumerate(_messages(bag, topic), 1):
         with account.part(f"message {number} of {topic}") as whole:
-            message = _message(reader, data, whole)
+            message = _message(bag, data, whole)
             graph: Graph | None = None
             for node in message.nodes:
                 id = int(node.id)
-                if id in names:
+                if id in came:
                     continue
-                if len(names) >= MAX_KEYFRAMES:
-                    raise RevisitError(f"{path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
-                names[id] = None
+                if len(came) >= MAX_KEYFRAMES:
+                    raise RevisitError(f"{bag.file}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
+                came.add(id)
                 with account.part(f"node {id}") as where:
                     if id in final.poses:
                         here, near = final, neighbours.get(id, [])
@@ -104,37 +76,28 @@ def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, account: Acc
                     if seen is None:
                         raise RevisitError(f"{where}: without a pose, or between keyframes")
                     left_graph += here is not final
-                    for other, kind in near:
-                        earlier = names.get(other) if other != id else None
-                        if earlier is not None and kind in LOOPS:
-                            seen.loops.append(earlier)
-                        elif earlier is not None and kind in COVISIBLE:
-                            seen.covisible[earlier] = shared_words(seen.words, words.get(other))
-                    names[id] = seen.id
-                    words[id] = seen.words or Counter()
-                    if len(words) > NODES_AT_HAND:
-                        words.popitem(last=False)
+                    nodes.join(id, seen, near)
                     yield seen
     if left_graph:
         are = "node is" if left_graph == 1 else "nodes are"
         account.notes.append(f"{left_graph} {are} not in the last graph: they stand where they stood when they came")
 
 
-def _message(reader: Any, data: bytes, where: str) -> Any:
+def _message(bag: Bag, data: bytes, where: str) -> Any:
     try:
-        return reader.deserialize(data, MAP_DATA)
+        return bag.reader.deserialize(data, MAP_DATA)
     except Exception as error:  # noqa: BLE001 - it raises types of its own
         raise RevisitError(f"{where}: rosbags cannot read it: {error}") from error
 
 
-def _last_graph(path: Path, reader: Any, topic: str, account: Account) -> Graph:
+def _last_graph(bag: Bag, topic: str, account: Account) -> Graph:
     last = None
-    for data in _messages(reader, topic):
+    for data in _messages(bag, topic):
         last = data
     if last is None:
-        raise RevisitError(f"{path}: no message on {topic}")
-    where = f"{path}: the last message of {topic}"
-    return graph_of(_message(reader, last, where).graph, account, where)
+        raise RevisitError(f"{bag.file}: no message on {topic}")
+    where = f"{bag.file}: the last message of {topic}"
+    return graph_of(_message(bag, last, where).graph, account, where)
 
 
 def _neighbours(graph: Graph) -> dict[int, list[tuple[int, int]]]:

@@ -14,8 +14,7 @@ from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..poses import matrix
 from .blobs import matrix_of
-from .landmarks import LANDMARK, detections_of
-from .node import Mounted, Words, observation, stamp_of, usable_descriptors
+from .node import LANDMARK, Landmarks, Mounted, Words, observation, usable_descriptors
 
 MAX_NODE_ID = 2**31 - 1
 
@@ -27,8 +26,7 @@ class Graph:
     poses: dict[int, np.ndarray]
     links: list[tuple[int, int, int]]
     map_from_odom: np.ndarray
-    landmarks: dict[int, list[tuple[int, np.ndarray]]]
-    """Landmarks that a node saw: their numbers, and `base_from_landmark`."""
+    landmarks: dict[int, Landmarks]
 
 
 def graph_of(message: Any, account: Account, where: str) -> Graph:
@@ -43,7 +41,7 @@ def graph_of(message: Any, account: Account, where: str) -> Graph:
             with account.part(f"the graph's pose of node {id}") as part:
                 poses[id] = pose_of(pose, part)
     links: list[tuple[int, int, int]] = []
-    landmarks: dict[int, list[tuple[int, np.ndarray]]] = {}
+    landmarks: dict[int, Landmarks] = {}
     for link in message.links:
         one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
         if kind == LANDMARK and one > 0 > other:
@@ -84,14 +82,8 @@ def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observatio
         if not any(getattr(node.pose.orientation, axis) for axis in "xyzw"):
             return None
         map_from_base = graph.map_from_odom @ pose_of(node.pose, where)
-    # Each start of RTAB-Map is a map of its own.
-    session = f"{name}-{int(node.map_id)}"
-    stamp_ns = stamp_of(node.stamp, id)
-    names = (f"{session}-{id}", session)
-    mounted = _mounted(node.data, where)
-    seen = observation(names, id, stamp_ns, map_from_base, mounted, words_of(node, where), f"rtabmap:{name}")
-    seen.detections.extend(detections_of(graph.landmarks.get(id, []), map_from_base, mounted.base_from_camera, mounted.camera))
-    return seen
+    mounted, words = _mounted(node.data, where), words_of(node, where)
+    return observation(f"{name}-{int(node.map_id)}", id, node.stamp, map_from_base, mounted, words, graph.landmarks.get(id, []))
 
 
 def words_of(node: Any, where: str) -> Words:

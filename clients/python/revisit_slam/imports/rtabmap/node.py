@@ -6,20 +6,35 @@ RTAB-Map's poses, links and three-dimensional points are of the robot's base. Th
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, OrderedDict
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...pixels.pinhole import Pinhole
 from ..observation import NO_POINT, SECOND_NS, Features, Observation, nanoseconds_of
-from ..poses import moved
+from ..poses import inverse, moved
 
 # A node's points are its own: their numbers have room for so many.
 POINTS_A_NODE = 1 << 20
 MAX_WORD = 2**32 - 1
 # The server takes descriptors of a multiple of eight bytes, up to 512.
 DESCRIPTOR_STEP, MAX_DESCRIPTOR_BYTES = 8, 512
+# The words of so many nodes are at hand; with those further back a node shares none that are counted.
+NODES_AT_HAND = 4096
+# Links of its graph, by their types.
+NEIGHBOUR, GLOBAL_CLOSURE, LOCAL_SPACE_CLOSURE, LOCAL_TIME_CLOSURE, USER_CLOSURE, NEIGHBOUR_MERGED = 0, 1, 2, 3, 4, 6
+# From a node to a tag that it saw, whose number is negative there.
+LANDMARK = 8
+# Proximity links are of places that odometry knows to be near: no loop was detected.
+COVISIBLE = {NEIGHBOUR, LOCAL_SPACE_CLOSURE, LOCAL_TIME_CLOSURE, NEIGHBOUR_MERGED}
+LOOPS = {GLOBAL_CLOSURE, USER_CLOSURE}
+CLASS = "landmark"
+# Links do not tell how large a tag is; only its box in the picture depends on it.
+ASSUMED_SIDE_M = 0.16
+NEAREST_M = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,17 +59,46 @@ class Mounted:
     cameras: int = 1
 
 
+# Landmarks that a node saw: their numbers, and `base_from_landmark`.
+Landmarks = list[tuple[int, np.ndarray]]
+
+
 def observation(
-    names: tuple[str, str], node: int, stamp_ns: int, map_from_base: np.ndarray, mounted: Mounted, words: Words, vocabulary: str
+    session: str, node: int, seconds: object, map_from_base: np.ndarray, mounted: Mounted, words: Words, landmarks: Landmarks
 ) -> Observation:
-    """Return a node as an observation; `names` are its id and its session."""
-    counted = Counter(int(word) for word in words.ids if 0 < word <= MAX_WORD)
+    """Return a node as an observation; each start of RTAB-Map is a session of its own."""
+    # Where nothing tells the time, a second a node.
+    stamp_ns = nanoseconds_of(seconds) if isinstance(seconds, (int, float)) and seconds > 0 else node * SECOND_NS
     features, placed = _features(node, map_from_base, mounted, words)
     return Observation(
-        *names, stamp_ns, map_from_base @ mounted.base_from_camera, mounted.camera,
-        words=counted, vocabulary=vocabulary, features=features, placed=placed,
+        f"{session}-{node}", session, stamp_ns, map_from_base @ mounted.base_from_camera, mounted.camera,
+        words=Counter(int(word) for word in words.ids if 0 < word <= MAX_WORD),
+        vocabulary=f"rtabmap:{session.rpartition('-')[0]}",
+        features=features, placed=placed, detections=_detections(landmarks, map_from_base, mounted),
         covisible={},  # The links of the graph say which: they follow.
     )  # fmt: skip
+
+
+class Nodes:
+    """The nodes so far: the names of their keyframes, and the words of the last ones."""
+
+    def __init__(self) -> None:
+        self.names: dict[int, str] = {}
+        self._words: OrderedDict[int, np.ndarray] = OrderedDict()
+
+    def join(self, node: int, seen: Observation, links: Iterable[tuple[int, int]]) -> None:
+        """Add a node, and tell its observation which earlier ones it is linked with (node, type)."""
+        words = np.fromiter(seen.words or (), np.int64)
+        for other, kind in links:
+            earlier = self.names.get(other)
+            if earlier is not None and kind in LOOPS:
+                seen.loops.append(earlier)
+            elif earlier is not None and kind in COVISIBLE:
+                seen.covisible[earlier] = len(np.intersect1d(words, self._words.get(other, ()), assume_unique=True))
+        self.names[node] = seen.id
+        self._words[node] = words
+        if len(self._words) > NODES_AT_HAND:
+            self._words.popitem(last=False)
 
 
 def _features(node: int, map_from_base: np.ndarray, mounted: Mounted, words: Words) -> tuple[Features | None, dict[int, np.ndarray]]:
@@ -74,10 +118,26 @@ def _features(node: int, map_from_base: np.ndarray, mounted: Mounted, words: Wor
     return features, dict(zip((int(id) for id in sent), positions))
 
 
-def stamp_of(seconds: object, node: int) -> int:
-    """Return a node's time in nanoseconds; where nothing tells it, a second a node."""
-    known = isinstance(seconds, (int, float)) and seconds > 0
-    return (nanoseconds_of(seconds) if known else None) or node * SECOND_NS  # type: ignore[arg-type]
+def _detections(landmarks: Landmarks, map_from_base: np.ndarray, mounted: Mounted) -> list[dict[str, Any]]:
+    """Return the landmarks in front of a camera as detections of the API."""
+    found, camera = [], mounted.camera
+    for number, base_from_landmark in landmarks:
+        in_base = base_from_landmark[:3, 3]
+        x, y, z = moved(inverse(mounted.base_from_camera), in_base[None])[0]
+        if camera is None or not z > NEAREST_M:
+            continue
+        u, v = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
+        half = ASSUMED_SIDE_M / 2 * camera.fx / z
+        found.append(
+            {
+                "class": CLASS,
+                "confidence": 1.0,
+                "box": [float(value) for value in (u - half, v - half, u + half, v + half)],
+                "position": [float(value) for value in moved(map_from_base, in_base[None])[0]],
+                "text": str(abs(number)),
+            }
+        )
+    return found
 
 
 def usable_descriptors(rows: np.ndarray | None) -> np.ndarray | None:

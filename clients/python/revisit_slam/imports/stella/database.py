@@ -12,13 +12,13 @@ import numpy as np
 from ...errors import RevisitError
 from ..damage import Account
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
-from ..observation import NO_POINT, Observation
+from ..observation import NO_POINT, Features, Observation
 from ..opened import Opened, Wanted
-from ..point_ids import PointIds
-from ..poses import checked, rigid
-from ..sqlite_file import need_columns, reading, tables
+from ..point_store import PointStore
+from ..poses import rigid
+from ..sqlite_file import need_columns, reading
 from .camera import Camera, camera_of, opened
-from .keyframe import DESCRIPTOR_BYTES, MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
+from .keyframe import DESCRIPTOR_BYTES, MAX_KEYFRAME_ID, Keyframe, Names
 
 TABLES = {
     "cameras": ("name", "setup_type", "model_type", "cols", "rows", "fx", "fy", "cx", "cy"),
@@ -31,21 +31,15 @@ KEYPOINT = np.dtype(
     [("x", "<f4"), ("y", "<f4"), ("size", "<f4"), ("angle", "<f4"), ("response", "<f4"), ("octave", "<i4"), ("class", "<i4")]
 )
 COLUMNS = "k.id, k.ts, k.cam, k.pose_cw, k.n_keypts, k.undist_keypts, k.descs, a.lm_ids, a.n_loop_edges, a.loop_edges"
-IDS_AT_ONCE = 500
 
 
 def open_map(path: Path, wanted: Wanted) -> Opened:
     """Open a map."""
-    need_columns(path, tables(path), TABLES, "SQLite map of stella_vslam")
+    need_columns(path, TABLES, "SQLite map of stella_vslam")
     account = Account(path)
     with reading(path) as connection:
         cameras = _cameras(connection, account)
-
-    def keyframes() -> Iterator[Observation]:
-        with reading(path) as connection:
-            yield from _keyframes(path, connection, cameras, wanted, account)
-
-    return opened(cameras, wanted, keyframes, account)
+    return opened(cameras, wanted, lambda: _keyframes(path, cameras, wanted, account), account)
 
 
 def _cameras(connection: sqlite3.Connection, account: Account) -> dict[str, Camera]:
@@ -58,21 +52,22 @@ def _cameras(connection: sqlite3.Connection, account: Account) -> dict[str, Came
     return found
 
 
-def _keyframes(
-    path: Path, connection: sqlite3.Connection, cameras: dict[str, Camera], wanted: Wanted, account: Account
-) -> Iterator[Observation]:
-    count = connection.execute("select count(*) from keyframes").fetchone()[0]
-    if count > MAX_KEYFRAMES:
-        raise RevisitError(f"{path}: it has {count} keyframes; at most {MAX_KEYFRAMES} are taken")
+def _keyframes(path: Path, cameras: dict[str, Camera], wanted: Wanted, account: Account) -> Iterator[Observation]:
     scale = wanted.metres_per_unit or 1.0
-    names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
-    rows = connection.execute(f"select {COLUMNS} from keyframes k left join associations a on a.id = k.id order by k.id")
-    for row in rows:
-        with account.part(f"keyframe {row[0]}") as where:
-            seen = names.observation(_keyframe(row, where), where)
-            new = placed.new_of(landmarks_of(seen))
-            seen.placed.update(_positions(connection, new, scale, account))
-            yield seen
+    with reading(path) as connection, PointStore(account) as points:
+        count = connection.execute("select count(*) from keyframes").fetchone()[0]
+        if count > MAX_KEYFRAMES:
+            raise RevisitError(f"{path}: it has {count} keyframes; at most {MAX_KEYFRAMES} are taken")
+        for id, position in connection.execute("select id, pos_w from landmarks where id >= 0"):
+            with account.part(f"landmark {id}") as where:
+                if not isinstance(position, bytes) or len(position) != 3 * 8:
+                    raise RevisitError(f"{where}: its position is not of three numbers")
+                points.add(id, *(np.frombuffer(position, "<f8") * scale).tolist())
+        names = Names(wanted.name(path), cameras, points, scale)
+        rows = connection.execute(f"select {COLUMNS} from keyframes k left join associations a on a.id = k.id order by k.id")
+        for row in rows:
+            with account.part(f"keyframe {row[0]}") as where:
+                yield names.observation(_keyframe(row, where), where)
 
 
 def _keyframe(row: tuple[Any, ...], where: str) -> Keyframe:
@@ -93,9 +88,11 @@ def _keyframe(row: tuple[Any, ...], where: str) -> Keyframe:
         id, float(stamp_s), _text(camera),
         # Eigen keeps a matrix column by column.
         rigid(np.frombuffer(pose, "<f8").reshape(4, 4).T, where),
-        np.stack((points["x"], points["y"]), axis=1), points["octave"], points["angle"],
-        np.frombuffer(described, np.uint8).reshape(count, DESCRIPTOR_BYTES),
-        np.frombuffer(_column(landmarks, 4 * count, "landmarks", where), "<i4"),
+        Features(
+            np.stack((points["x"], points["y"]), axis=1), points["octave"], points["angle"],
+            np.frombuffer(described, np.uint8).reshape(count, DESCRIPTOR_BYTES),
+            np.frombuffer(_column(landmarks, 4 * count, "landmarks", where), "<i4").astype(np.int64),
+        ),
         [int(edge) for edge in np.frombuffer(edges, "<i4")],
     )  # fmt: skip
 
@@ -106,19 +103,6 @@ def _column(value: Any, size: int, what: str, where: str) -> bytes:
         told = f"{len(value)} bytes" if isinstance(value, bytes) else "no blob"
         raise RevisitError(f"{where}: its {what} are {told}, not {size} bytes")
     return value
-
-
-def _positions(connection: sqlite3.Connection, ids: list[int], scale: float, account: Account) -> dict[int, np.ndarray]:
-    """Return where landmarks are; one that is nowhere counts for covisibility only, as stella_vslam skips it."""
-    found = {}
-    for start in range(0, len(ids), IDS_AT_ONCE):
-        some = ids[start : start + IDS_AT_ONCE]
-        for id, position in connection.execute(f"select id, pos_w from landmarks where id in ({','.join('?' * len(some))})", some):
-            with account.part(f"landmark {id}") as where:
-                if not isinstance(position, bytes) or len(position) != 3 * 8:
-                    raise RevisitError(f"{where}: its position is not of three numbers")
-                found[id] = checked(np.frombuffer(position, "<f8") * scale, where)
-    return found
 
 
 def _text(value: Any) -> str:

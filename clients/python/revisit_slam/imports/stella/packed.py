@@ -6,7 +6,6 @@ in the order of their numbers as texts.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -17,13 +16,12 @@ from ...errors import RevisitError
 from ...needed import needed
 from ..damage import Account, told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
-from ..observation import Observation
+from ..observation import Features, Observation
 from ..opened import Opened, Wanted
-from ..point_ids import PointIds
 from ..point_store import PointStore
 from ..poses import matrix
 from .camera import Camera, camera_of, opened
-from .keyframe import MAX_KEYFRAME_ID, Keyframe, Names, landmarks_of
+from .keyframe import MAX_KEYFRAME_ID, Keyframe, Names
 
 READER = "the reader of MessagePack"
 READ_BYTES = 64 << 10
@@ -53,19 +51,13 @@ def open_map(path: Path, wanted: Wanted) -> Opened:
         unpacker.skip()
 
     _walk(path, {"cameras": camera, "keyframes": keyframe})
-
-    def keyframes() -> Iterator[Observation]:
-        with told_of(path, READER), path.open("rb") as file, tempfile.TemporaryDirectory(prefix="revisit-import-") as folder:
-            with PointStore(Path(folder), account) as points:
-                yield from _keyframes(account, file, offsets, points, cameras, wanted)
-
-    return opened(cameras, wanted, keyframes, account)
+    return opened(cameras, wanted, lambda: _keyframes(path, offsets, cameras, wanted, account), account)
 
 
 def _keyframes(
-    account: Account, file: BinaryIO, offsets: dict[int, int], points: PointStore, cameras: dict[str, Camera], wanted: Wanted
+    path: Path, offsets: dict[int, int], cameras: dict[str, Camera], wanted: Wanted, account: Account
 ) -> Iterator[Observation]:
-    path, scale = Path(account.path), wanted.metres_per_unit or 1.0
+    scale = wanted.metres_per_unit or 1.0
 
     def landmark(name: str, unpacker: Any, _: int) -> None:
         told = unpacker.unpack()
@@ -73,15 +65,13 @@ def _keyframes(
             position = told.get("pos_w") if isinstance(told, Mapping) else None
             points.add(_number(name, where), *(scale * value for value in _numbers(position, 3, "position", where)))
 
-    _walk(path, {"landmarks": landmark})
-    names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
-    for id in sorted(offsets):
-        with account.part(f"keyframe {id}") as where:
-            file.seek(offsets[id])
-            seen = names.observation(_keyframe(id, _unpacker(file).unpack(), where), where)
-            new = placed.new_of(landmarks_of(seen))
-            seen.placed.update(points.find(new, where, may_lack=True))
-            yield seen
+    with told_of(path, READER), path.open("rb") as file, PointStore(account) as points:
+        _walk(path, {"landmarks": landmark})
+        names = Names(wanted.name(path), cameras, points, scale)
+        for id in sorted(offsets):
+            with account.part(f"keyframe {id}") as where:
+                file.seek(offsets[id])
+                yield names.observation(_keyframe(id, _unpacker(file).unpack(), where), where)
 
 
 def _keyframe(id: int, told: Any, where: str) -> Keyframe:
@@ -102,9 +92,7 @@ def _keyframe(id: int, told: Any, where: str) -> Keyframe:
     pose = matrix(_numbers(told["trans_cw"], 3, "translation", where), xyzw, where)
     stamp_s = _numbers([told["ts"]], 1, "time", where)[0]
     return Keyframe(
-        id, stamp_s, str(told["cam"]), pose, pixels, octaves, angles,
-        np.frombuffer(described.tobytes(), np.uint8).reshape(len(descriptors), -1) if len(descriptors) else np.zeros((0, 32), np.uint8),
-        landmarks, edges,
+        id, stamp_s, str(told["cam"]), pose, Features(pixels, octaves, angles, described.view(np.uint8), landmarks), edges,
     )  # fmt: skip
 
 

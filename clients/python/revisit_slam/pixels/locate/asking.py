@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from ...client import Client
@@ -33,17 +31,6 @@ class Asking:
     def __init__(self, client: Client, bodies: Bodies, gallery: list[Shot], protocols: list[str]) -> None:
         self._client, self._bodies, self._gallery, self._protocols = client, bodies, gallery, protocols
         self._maps = sorted({shot.map for shot in gallery})
-
-    def ask_all(self, sights: list[Sight], threads: int, progress: Callable[[], None] = lambda: None) -> list[Asked]:
-        """Return the answers in the order of the photographs."""
-
-        def one(sight: Sight) -> Asked:
-            asked = self.ask(sight)
-            progress()
-            return asked
-
-        with ThreadPoolExecutor(threads) as pool:
-            return list(pool.map(one, sights))
 
     def ask(self, sight: Sight) -> Asked:
         """Ask about one photograph. Protocols that leave out the same are one question."""

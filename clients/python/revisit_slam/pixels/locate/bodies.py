@@ -33,14 +33,14 @@ class Bodies:
             "session": sight.shot.session,
             "stamp": {"sec": number + 1, "nanosec": 0},
             "pose": {"translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": quaternion(pose[:3, :3])},
-            "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
+            "covisible": tracked.covisible,
             **self._seen(sight, signs, pose),
         }
 
     def question(self, sight: Sight, signs: list[Sign], maps: list[str], left_out: Excluded) -> dict[str, Any]:
         """Return the question where a photograph was taken; its signs are in the camera's frame."""
         keyframe = self._seen(sight, signs, np.eye(4))
-        return {"keyframe": keyframe, "maps": maps, "exclude": left_out.body(), "max": PLACES}
+        return {"keyframe": keyframe, "maps": maps, "exclude": left_out, "max": PLACES}
 
     def _seen(self, sight: Sight, signs: list[Sign], pose: np.ndarray) -> dict[str, Any]:
         ranges = Ranges(sight.shot.frame, sight.camera, LETTER_HEIGHT_M)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import sys
-from collections.abc import Callable
 
 import msgspec
 
@@ -14,7 +13,9 @@ from ...errors import RevisitError
 from ...left_out import LeftOut
 from ...problems import found
 from ...server import Server
+from ..ahead import ahead, progress
 from ..global_descriptors import MODELS
+from ..options import Options
 from ..training import train_vocabulary
 from ..vocabulary import Vocabulary
 from .asking import PATIENCE_S, Asked, Asking
@@ -52,7 +53,7 @@ def locate(chosen: argparse.Namespace) -> int:
         send_gallery(client, gallery, bodies, chosen.threads)
         queries = _look(chosen, "queries", collection.queries, collection.left_out, chosen.distort)
         asking = Asking(client, bodies, [sight.shot for sight in gallery], protocols)
-        asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))
+        asked = list(ahead(queries, asking.ask, chosen.threads, progress("asked", len(queries))))
     others = _ordinary(chosen, gallery, queries) if chosen.orb and collection.is_judged else []
     print(_printed(chosen, collection, asked, others))
     for told in collection.left_out.told():
@@ -62,7 +63,7 @@ def locate(chosen: argparse.Namespace) -> int:
 
 def _ordinary(chosen: argparse.Namespace, gallery: list[Sight], queries: list[Sight]) -> Figures:
     vocabulary = train_vocabulary([sight.tracking.descriptors for sight in gallery])
-    return Ordinary(gallery, vocabulary).figures(queries, chosen.threads, _progress("compared by ORB", len(queries)))
+    return Ordinary(gallery, vocabulary).figures(queries, chosen.threads, progress("compared by ORB", len(queries)))
 
 
 def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Asked], others: Figures) -> str:
@@ -81,19 +82,9 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
 def _look(
     chosen: argparse.Namespace, what: str, shots: list[Shot], left_out: LeftOut, distortion: str | None = None
 ) -> list[Sight]:
-    sights = list(
-        look(
-            shots,
-            left_out,
-            threads=chosen.threads,
-            cache=chosen.cache,
-            focal_px=chosen.focal_px,
-            signs=chosen.signs,
-            global_model=MODELS[0] if GLOBAL in chosen.channels else None,
-            distortion=distortion,
-            progress=_progress(what, len(shots)),
-        )
-    )
+    model = MODELS[0] if GLOBAL in chosen.channels else None
+    options = Options(global_model=model, focal_px=chosen.focal_px, cache=chosen.cache, threads=chosen.threads)
+    sights = look(shots, options, left_out, chosen.signs, distortion, progress(what, len(shots)))
     if not sights:
         raise RevisitError("; ".join((f"no photograph of the {what} can be read", *left_out.told())))
     return sights
@@ -112,16 +103,3 @@ def _refuse_used_maps(client: Client, collection: Collection) -> None:
         used = found(client.get_map, map)
         if used is not None and used.keyframes:
             raise RevisitError(f"map {map} has {used.keyframes} keyframes already: delete it, or name another --server")
-
-
-def _progress(what: str, total: int) -> Callable[[], None]:
-    if not sys.stderr.isatty():
-        return lambda: None
-    done = 0
-
-    def show() -> None:
-        nonlocal done
-        done += 1
-        print(f"\r{what}: {done} of {total} ", end="\n" if done == total else "", file=sys.stderr, flush=True)
-
-    return show

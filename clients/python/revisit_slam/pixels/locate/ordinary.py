@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ..ahead import ahead
 from ..overlap import overlap
 from ..vocabulary import Vocabulary
 from .collection import Shot
@@ -28,16 +28,9 @@ class Ordinary:
         self._vocabulary = vocabulary
         self._bags = np.stack([self._bag(sight) for sight in gallery])
 
-    def figures(self, queries: list[Sight], threads: int, progress: Callable[[], None] = lambda: None) -> Figures:
+    def figures(self, queries: list[Sight], threads: int, progress: Callable[[int], None]) -> Figures:
         """Return name, protocol and top-1: the share whose most similar photograph is on the right floor."""
-
-        def one(query: Sight) -> dict[str, tuple[bool, bool]]:
-            right = self._right(query)
-            progress()
-            return right
-
-        with ThreadPoolExecutor(threads) as pool:
-            found = list(pool.map(one, queries))
+        found = list(ahead(queries, self._right, threads, progress))
         names = ("ORB, best by words", f"ORB, most inliers of the {COMPARED} best by words")
         return [
             (name, protocol, sum(right[protocol][at] for right in found) / len(found))

@@ -23,10 +23,6 @@ class Excluded:
     keyframes: tuple[str, ...] = ()
     sessions: tuple[str, ...] = ()
 
-    def body(self) -> dict[str, list[str]]:
-        """Return it as the API takes it."""
-        return {"keyframes": list(self.keyframes), "sessions": list(self.sessions)}
-
 
 def excluded(protocol: str, query: Shot, gallery: list[Shot]) -> Excluded:
     """Return what a protocol leaves out for one photograph."""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from ...left_out import LeftOut
 from ..ahead import ahead
-from ..pinhole import FOCAL_SHARE, Pinhole
 from ..features import Features, features_of
+from ..global_descriptors import GlobalDescriptors
+from ..options import Options
+from ..pinhole import FOCAL_SHARE, Pinhole
 from ..reader import Line, Reader
 from .collection import Shot
-from ..global_descriptors import GlobalDescriptors
 from .distortions import DISTORTIONS
 from .gradients import Gradients, gradients_of
 
@@ -36,27 +36,18 @@ class Sight:
 
 
 def look(
-    shots: list[Shot],
-    left_out: LeftOut,
-    *,
-    threads: int,
-    cache: Path | None = None,
-    focal_px: float | None = None,
-    signs: bool = True,
-    global_model: str | None = None,
-    distortion: str | None = None,
-    progress: Callable[[], None] = lambda: None,
-) -> Iterator[Sight]:
-    """Yield what is in each photograph that can be read, in order."""
-    reader = Reader(cache) if signs else None
+    shots: list[Shot], options: Options, left_out: LeftOut, signs: bool, distortion: str | None, progress: Callable[[int], None]
+) -> list[Sight]:
+    """Return what is in each photograph that can be read, in order."""
+    reader = Reader(options.cache) if signs else None
     # The network's session may serve several threads.
-    network = GlobalDescriptors(global_model) if global_model else None
+    network = GlobalDescriptors(options.global_model) if options.global_model else None
 
     def sight(shot: Shot) -> Sight | None:
         with left_out.part():
             data, image, _ = shot.frame.view()
             # The focal length stays that of the whole photograph.
-            focal = focal_px or FOCAL_SHARE * max(image.shape[:2])
+            focal = options.focal_px or FOCAL_SHARE * max(image.shape[:2])
             if distortion is not None:
                 image = DISTORTIONS[distortion](image)
                 data += distortion.encode()
@@ -71,7 +62,4 @@ def look(
             )
         return None
 
-    for seen in ahead(shots, sight, threads):
-        if seen is not None:
-            yield seen
-        progress()
+    return [seen for seen in ahead(shots, sight, options.threads, progress) if seen is not None]

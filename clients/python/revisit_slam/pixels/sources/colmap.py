@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
+from ...imports.colmap.cameras import HALF_PX
+from ...imports.colmap.model import form_of
 from ...left_out import LeftOut
+from ...needed import needed
 from ..camera import Calibration
 from ..frames import Frame, Landmarks, frames_of
-from ...needed import needed
 from .source import Source, there
 
-FILES = ("cameras", "images", "points3D")
-# COLMAP counts pixels from the corner of the first one, OpenCV from its middle.
-HALF_PX = 0.5
 # Where each model has its focal lengths (one or two), and where its distortion begins; the centre stands between.
 SIMPLE = {"SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE"}
 DOUBLE = {"PINHOLE", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV"}
@@ -25,8 +24,7 @@ DOUBLE = {"PINHOLE", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV"}
 
 def open_colmap(model: Path, images: Path | None, metres_per_unit: float | None) -> Source:
     """Open a model; its pictures lie in `images`, or in a folder of that name beside or around it."""
-    if not all(any((model / f"{name}.{form}").exists() for form in ("bin", "txt")) for name in FILES):
-        raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
+    form_of(model)
     pycolmap = needed("pycolmap")
     try:
         reconstruction = pycolmap.Reconstruction(str(model))

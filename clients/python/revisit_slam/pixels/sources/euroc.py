@@ -11,9 +11,9 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...files import numbered_rows_of, text_of
+from ...needed import needed
 from ..camera import Calibration
 from ..trajectory import Trajectory, read_tum
-from ...needed import needed
 from .source import Source, every, listed
 
 # The first of these that is there tells where the body was.

@@ -11,7 +11,6 @@ from ..stamps import named_time_ns
 from ..trajectory import Trajectory
 from .source import Source
 
-
 # How files must be named where a trajectory tells their poses.
 NAMED = "with --trajectory a photograph's name is its time, in seconds, or in milli-, micro- or nanoseconds since 1970"
 

@@ -11,14 +11,13 @@ from ..camera import Calibration
 from ..frames import Frame
 from ..pinhole import FOCAL_SHARE
 from ..trajectory import Trajectory, read_tum
-from .bag import open_bag
+from .bag.bag import open_bag
 from .colmap import open_colmap
 from .euroc import open_euroc
 from .images import open_images
 from .source import Source
 from .tum import open_tum
 from .video import open_video
-
 
 # Sources that pick pictures from many; their numbers count the picked ones.
 PICKING = ("video", "euroc", "tum", "bag")

@@ -75,10 +75,8 @@ def listed(
     """Return the pictures in `folder` that a file lists, in order of time; bad rows are left out, and what is not there."""
     frames = []
     for number, row in rows:
-        try:
+        with left_out.unless(f"{file}, line {number}", f"no row of `{form}`"):
             frames.append(Frame("", folder / row[1], "", number, time_ns(row[0])))
-        except (ValueError, IndexError):
-            left_out.add(f"{file}, line {number}", f"no row of `{form}`")
     if rows and not frames:
         raise RevisitError(f"{file}: no row of `{form}` in it")
     ids = ids_of((frame.path for frame in frames), folder)

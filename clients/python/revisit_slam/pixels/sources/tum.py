@@ -13,7 +13,8 @@ from ...files import text_of
 from ...left_out import LeftOut
 from ..camera import Calibration
 from ..frames import DepthImage, Frame
-from ..trajectory import Trajectory, nanoseconds, read_tum
+from ..stamps import nanoseconds
+from ..trajectory import Trajectory, read_tum
 from .source import Source, every, listed
 
 # The benchmark's default: depth images are registered to the colour camera, whose lens is taken for ideal.

@@ -1,4 +1,4 @@
-"""Bag: what a recording has becomes a source."""
+"""Bag: a ROS 2 recording (MCAP or SQLite), or a ROS 1 bag: pictures, their camera, and odometry."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from ....errors import RevisitError
-from ....imports.damage import told_of
+from ....imports.bag import opened_bag
+from ....imports.rtabmap.definitions import typestore
 from ...camera import Calibration
 from ...trajectory import Trajectory
-from ....needed import needed
 from ..source import ROTATIONS, Source
 from .calibration import calibration_of
-from .messages import Recording
 from .odometry import odometry_of
 from .pictures import frames_of, picture_topic
 
@@ -29,12 +28,8 @@ def open_bag(
     """Open a recording; its pictures are kept in `work`. A trajectory given is the camera's."""
     if not file.exists():
         raise RevisitError(f"{file}: no such file")
-    highlevel, typesys = needed("rosbags.highlevel", "rosbags"), needed("rosbags.typesys", "rosbags")
-    store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-    # Recordings carry their messages' definitions, or have the standard ones.
-    with told_of(file, "rosbags"), highlevel.AnyReader(_files(file), default_typestore=store) as reader:
-        source = Source([], str(file))
-        recording = Recording(file, reader, source.left_out)
+    source = Source([], str(file))
+    with opened_bag(file, _pieces(file), typestore(), source.left_out) as recording:
         topic, camera_frame = picture_topic(recording, topics["image"])
         calibration = calibration or calibration_of(recording, topic, camera_frame, topics["camera_info"])
         source = replace(source, frames=frames_of(recording, topic, calibration, every_s, work))
@@ -46,7 +41,7 @@ def open_bag(
         return source.along(trajectory, f"odometry on {why}")
 
 
-def _files(path: Path) -> list[Path]:
+def _pieces(path: Path) -> list[Path]:
     """Return what to open: a file, a folder that describes itself, or the pieces of one recording in a folder that does not."""
     if path.is_file() or (path / "metadata.yaml").exists():
         return [path]

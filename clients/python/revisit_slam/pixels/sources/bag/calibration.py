@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
 from typing import Any
 
 from ....errors import RevisitError
+from ....imports.bag import Bag
 from ...camera import Calibration
-from .messages import Recording
 
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 MODELS = ("plumb_bob", "rational_polynomial", "equidistant", "fisheye", "")
@@ -15,7 +16,7 @@ FISHEYE = ("equidistant", "fisheye")
 RECTIFIED = "image_rect"
 
 
-def calibration_of(recording: Recording, image_topic: str, camera_frame: str, named: str | None) -> Calibration | None:
+def calibration_of(recording: Bag, image_topic: str, camera_frame: str, named: str | None) -> Calibration | None:
     """Return the calibration of a topic's pictures; None where nothing tells it."""
     info = _camera_info(recording, image_topic, camera_frame, named)
     if info is None:
@@ -34,21 +35,15 @@ def calibration_of(recording: Recording, image_topic: str, camera_frame: str, na
     return Calibration.read(where, *numbers, model in FISHEYE and not rectified, size)
 
 
-def _camera_info(recording: Recording, image_topic: str, camera_frame: str, named: str | None) -> Any | None:
+def _camera_info(recording: Bag, image_topic: str, camera_frame: str, named: str | None) -> Any | None:
     """Return the camera that was named, the one beside the pictures, or one of their frame."""
     if named is not None:
-        topic = recording.one("camera-info", named, (CAMERA_INFO,))
+        topic = recording.one("--camera-info-topic", named, (CAMERA_INFO,))
         return recording.first(topic) if topic is not None else None
     there = recording.topics(CAMERA_INFO)
     # By convention it stands beside the pictures: /camera/image_raw, /camera/image_raw/compressed.
-    beside = [topic for topic in (f"{parent}/camera_info" for parent in _parents(image_topic)) if topic in there]
-    if beside:
-        return recording.first(beside[0])
+    for parent in PurePosixPath(image_topic).parents:
+        if str(parent / "camera_info") in there:
+            return recording.first(str(parent / "camera_info"))
     infos = (recording.first(topic) for topic in there)
     return next((info for info in infos if info is not None and info.header.frame_id == camera_frame), None)
-
-
-def _parents(topic: str) -> list[str]:
-    """Return the names above a topic's, the nearest first."""
-    parts = topic.split("/")
-    return ["/".join(parts[:length]) for length in range(len(parts) - 1, 0, -1)]

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ....imports.bag import Bag
 from ...trajectory import Trajectory
-from .messages import Recording
 from .transforms import StaticTransforms
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 TF = "tf2_msgs/msg/TFMessage"
 
 
-def odometry_of(recording: Recording, named: str | None, camera_frame: str) -> tuple[Trajectory | None, str]:
+def odometry_of(recording: Bag, named: str | None, camera_frame: str) -> tuple[Trajectory | None, str]:
     """Return the camera's way and its topic; or None, and why there is none."""
-    topic = recording.one("odometry", named, (ODOMETRY,))
+    topic = recording.one("--odometry-topic", named, (ODOMETRY,))
     if topic is None:
         return None, f"no {ODOMETRY} in it"
     poses, base = [], ""

@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 
 from ....errors import RevisitError
+from ....imports.bag import Bag
 from ....left_out import Unreadable
 from ...camera import Calibration
 from ...frames import Frame
 from ...ids import plain_id
 from ..source import too_near
 from ..video import save
-from .messages import Recording
 
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
@@ -32,9 +32,9 @@ ENCODINGS = {
 DEPTH_WORDS = ("depth", "disparity")
 
 
-def picture_topic(recording: Recording, named: str | None) -> tuple[str, str]:
+def picture_topic(recording: Bag, named: str | None) -> tuple[str, str]:
     """Return the topic of the pictures, and the frame that they are in."""
-    topic = recording.one("image", named, (IMAGE, COMPRESSED), skip=DEPTH_WORDS)
+    topic = recording.one("--image-topic", named, (IMAGE, COMPRESSED), skip=DEPTH_WORDS)
     if topic is None:
         raise RevisitError(f"{recording.file}: no pictures in it ({IMAGE}, {COMPRESSED}); it has {recording.told()}")
     first = recording.first(topic)
@@ -43,7 +43,7 @@ def picture_topic(recording: Recording, named: str | None) -> tuple[str, str]:
     return topic, first.header.frame_id
 
 
-def frames_of(recording: Recording, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> list[Frame]:
+def frames_of(recording: Bag, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> list[Frame]:
     """Return the pictures in order of time; they are kept in `work`."""
     file = recording.file
     frames: list[Frame] = []

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from ...trajectory import rotation
+from ....errors import RevisitError
+from ....imports.rtabmap.messages import transform_of
 
 
 class StaticTransforms:
@@ -17,18 +19,13 @@ class StaticTransforms:
         self._joined: dict[str, dict[str, np.ndarray]] = {}
 
     def add(self, message: Any) -> None:
-        """Add a `tf2_msgs/msg/TFMessage`; of two transforms between the same frames the later counts."""
+        """Add a `tf2_msgs/msg/TFMessage`, but what is none in it; of two transforms between the same frames the later counts."""
         for stamped in message.transforms:
-            t, q = stamped.transform.translation, stamped.transform.rotation
-            quaternion = np.array([q.x, q.y, q.z, q.w])
-            # Not `<`: a quaternion that is no number is below nothing.
-            if not np.linalg.norm(quaternion) > 1e-6 or not np.isfinite((t.x, t.y, t.z)).all():
-                continue
-            parent_from_child = np.eye(4)
-            parent_from_child[:3, :3], parent_from_child[:3, 3] = rotation(quaternion), (t.x, t.y, t.z)
             parent, child = stamped.header.frame_id.lstrip("/"), stamped.child_frame_id.lstrip("/")
-            self._joined.setdefault(parent, {})[child] = parent_from_child
-            self._joined.setdefault(child, {})[parent] = np.linalg.inv(parent_from_child)
+            with suppress(RevisitError):
+                parent_from_child = transform_of(stamped.transform, "it")
+                self._joined.setdefault(parent, {})[child] = parent_from_child
+                self._joined.setdefault(child, {})[parent] = np.linalg.inv(parent_from_child)
 
     def between(self, frame: str, other: str) -> np.ndarray | None:
         """Return `frame_from_other` (4 x 4) by the shortest way; None where nothing joins the two."""
