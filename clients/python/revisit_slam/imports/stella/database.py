@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ TABLES = {
 KEYPOINT = np.dtype(
     [("x", "<f4"), ("y", "<f4"), ("size", "<f4"), ("angle", "<f4"), ("response", "<f4"), ("octave", "<i4"), ("class", "<i4")]
 )
+POSITION = struct.Struct("<3d")
 COLUMNS = "k.id, k.ts, k.cam, k.pose_cw, k.n_keypts, k.undist_keypts, k.descs, a.lm_ids, a.n_loop_edges, a.loop_edges"
 
 
@@ -59,10 +61,8 @@ def _keyframes(path: Path, cameras: dict[str, Camera], wanted: Wanted, account: 
         if count > MAX_KEYFRAMES:
             raise RevisitError(f"{path}: it has {count} keyframes; at most {MAX_KEYFRAMES} are taken")
         for id, position in connection.execute("select id, pos_w from landmarks where id >= 0"):
-            with account.part(f"landmark {id}") as where:
-                if not isinstance(position, bytes) or len(position) != 3 * 8:
-                    raise RevisitError(f"{where}: its position is not of three numbers")
-                points.add(id, *(np.frombuffer(position, "<f8") * scale).tolist())
+            with account.left_out.unless(f"landmark {id}", "its position is not of three numbers"):
+                points.add(id, *(scale * value for value in POSITION.unpack(position)))
         names = Names(wanted.name(path), cameras, points, scale)
         rows = connection.execute(f"select {COLUMNS} from keyframes k left join associations a on a.id = k.id order by k.id")
         for row in rows:
