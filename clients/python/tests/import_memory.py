@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Memory of `revisit-play import`: makes a large synthetic file of each form, imports it, and prints the peak.
 
-    tools/import_memory.py [--megabytes 1024] [--folder DIR] [FORM...]
+    tests/import_memory.py [--megabytes 1024] [--folder DIR] [FORM...]
 
 It needs room for a file and its recording, and takes minutes; no test runs it. Forms are colmap_bin, colmap_txt, rtabmap,
 stella, stella_packed and map_data.
@@ -22,8 +22,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import foreign_maps
 import foreign_messages
