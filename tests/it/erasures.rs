@@ -26,6 +26,8 @@ fn markers() -> Vec<(&'static str, Vec<u8>)> {
         ("a descriptor", DESCRIPTOR.to_vec()),
         ("a pose as sent", 7777.125_f64.to_le_bytes().to_vec()),
         ("a pose as corrected", 8888.375_f64.to_le_bytes().to_vec()),
+        ("a point as sent", 6666.0625_f64.to_le_bytes().to_vec()),
+        ("a point as corrected", 5555.1875_f64.to_le_bytes().to_vec()),
     ]
 }
 
@@ -36,6 +38,8 @@ fn secret(seconds: u32, x: f64) -> Value {
     body["pose"] = pose([x, 0.1, 0.0]);
     let count = body["features"]["keypoints"].as_array().unwrap().len();
     body["features"]["descriptors"] = json!(base64(&DESCRIPTOR.repeat(count)));
+    // Other sessions have a point of this number as well.
+    body["map_points"]["positions"][10][0] = json!(6666.0625);
     body["detections"][0]["text"] = json!("Zanzibar Suite 4711");
     // A picture that no other robot sees.
     body["detections"][1]["position"] = json!([x, 0.5, 2.0]);
@@ -74,7 +78,8 @@ async fn with_secrets(server: &Server) {
         server.put(&format!("{MAP}/keyframes/{id}"), &secret(seconds, x)).await.expect(201);
     }
     let corrected = json!({"session": "session-zanzibar",
-        "keyframes": {"ids": ["kf-zanzibar-1"], "poses": [pose([8888.375, 0.1, 0.0])]}});
+        "keyframes": {"ids": ["kf-zanzibar-1"], "poses": [pose([8888.375, 0.1, 0.0])]},
+        "map_points": {"ids": [40], "positions": [[5555.1875, 0.3, 3.03]]}});
     server.post(&format!("{MAP}/poses"), &corrected).await.expect(200);
     let stored = server.get(&format!("{MAP}/keyframes/kf-zanzibar-1")).await.expect(200);
     let anchor = stored["detections"][1]["anchor"].as_str().unwrap();

@@ -99,8 +99,8 @@ class Operations:
     def put_map(self, map: str, body: models.MapBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
         under the same id is a conflict. With a `base` the map begins as a copy of a release or of
-        another map, and the answer comes when all of it is on disk. With `?detail=brief` the answer
-        lists only the settings that differ from their defaults.
+        another map, and the answer comes when all of it is on disk; the key must have `read` for that.
+        With `?detail=brief` the answer lists only the settings that differ from their defaults.
         """
         return self._call(Call("PUT", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 
@@ -478,8 +478,8 @@ class AsyncOperations:
     async def put_map(self, map: str, body: models.MapBody | Mapping[str, Any], *, detail: str | None = None) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
         under the same id is a conflict. With a `base` the map begins as a copy of a release or of
-        another map, and the answer comes when all of it is on disk. With `?detail=brief` the answer
-        lists only the settings that differ from their defaults.
+        another map, and the answer comes when all of it is on disk; the key must have `read` for that.
+        With `?detail=brief` the answer lists only the settings that differ from their defaults.
         """
         return await self._call(Call("PUT", f"/v1/maps/{segment(map)}", query={"detail": detail}, body=body, answer=models.MapView))
 

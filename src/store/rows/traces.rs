@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::column::integers_of;
 use super::decode;
 use super::former_value_rows::{packed, unpacked};
 use super::read::sent_points;
@@ -122,7 +123,8 @@ async fn forget_session(
     Ok(Some(SessionSeq(number)))
 }
 
-/// Removes replaced poses and positions of keyframes that are gone, and of map points that no other keyframe was sent with.
+/// Removes replaced poses and positions of keyframes that are gone, and of map points that no other keyframe of their session was
+/// sent with. Clients number the points of each session from 0.
 async fn remove_former_values(
     db: &mut Connection,
     map: MapKey,
@@ -134,19 +136,28 @@ async fn remove_former_values(
         return Ok(());
     }
     let mut keyframes = BTreeSet::new();
-    let mut points: BTreeSet<PointId> = BTreeSet::new();
-    let select = "select keyframe, sent_points from keyframes where map_key = $1";
+    let mut points: BTreeSet<(SessionSeq, PointId)> = BTreeSet::new();
+    let select = "select session, into_session from session_merges where map_key = $1 order by version";
+    let merges: Vec<(u32, u32)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
+    let whole = |session: SessionSeq| {
+        merges.iter().fold(session, |now, (from, into)| if now.0 == *from { SessionSeq(*into) } else { now })
+    };
+    let select = "select keyframe, session, observes, sent_points from keyframes where map_key = $1";
     for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         keyframes.insert(row.try_get::<u32, _>("keyframe")?);
-        points.extend(sent_points(&row)?);
+        let session = whole(SessionSeq(row.try_get("session")?));
+        points.extend(sent_points(&row)?.into_iter().map(|point| (session, point)));
+        if !merges.is_empty() {
+            // After a merge of sessions points have other numbers than those they were sent with.
+            let observed: Vec<PointId> = integers_of(row.try_get("observes")?)?;
+            points.extend(observed.into_iter().map(|point| (session, point)));
+        }
     }
-    let select = "select exists (select 1 from session_merges where map_key = $1)";
-    let has_merges: bool = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
     for (version, part, kind, entries) in parts {
         let mut former = unpacked(Kind::from_name(&kind)?, &entries)?;
-        // After a merge of sessions points have other numbers than those they were sent with.
-        let is_sent = |point| has_merges || points.contains(&point);
-        let stays = |session: SessionSeq, point| !erased.contains(&session) && is_sent(point);
+        let stays = |session: SessionSeq, point| {
+            !erased.contains(&session) && points.contains(&(whole(session), point))
+        };
         former.poses.retain(|(keyframe, _)| keyframes.contains(&keyframe.0));
         former.positions.retain(|(keyframe, ..)| keyframes.contains(&keyframe.0));
         former.points.retain(|(session, point, _)| stays(*session, *point));
