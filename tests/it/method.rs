@@ -58,7 +58,7 @@ fn is_written_as(value: &SettingValue, written: &str) -> bool {
         SettingValue::Count(count) => written == count.to_string(),
         SettingValue::Switch(switch) => written == switch.to_string(),
         SettingValue::Choice(name) => written == *name,
-        SettingValue::Patterns(patterns) => written == format!("{patterns:?}"),
+        SettingValue::Patterns(patterns) => written == format!("{:?}", patterns.texts()),
     }
 }
 

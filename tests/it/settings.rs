@@ -17,7 +17,7 @@ fn shown(value: &SettingValue) -> String {
         SettingValue::Count(count) => count.to_string(),
         SettingValue::Switch(switch) => switch.to_string(),
         SettingValue::Choice(name) => (*name).to_owned(),
-        SettingValue::Patterns(patterns) => format!("{patterns:?}"),
+        SettingValue::Patterns(patterns) => format!("{:?}", patterns.texts()),
     }
 }
 
