@@ -14,6 +14,7 @@ from .limits import MAX_PIECE_BYTES
 
 MAGIC = b"SQLite format 3\0"
 CACHE_KIB = 16 * 1024
+WRITTEN = "another program writes to it: end that, or import a copy"
 
 
 @contextmanager
@@ -21,8 +22,11 @@ def reading(path: Path) -> Iterator[sqlite3.Connection]:
     """Open a database; nothing is written to it or beside it. What SQLite refuses is one line."""
     with told_of(path, "SQLite"):
         unended = not_ended(path)
-        # Where a database keeps a log SQLite makes the log's files even to read; where none is beside it, nobody writes.
-        way = "mode=ro&immutable=1" if first_bytes(path)[18:19] == b"\2" and not unended else "mode=ro"
+        # Immutable: without a lock, at which RTAB-Map ends if it has the file open, and without files of a log beside it.
+        # That nobody wrote meanwhile is checked instead. A journal that is to be played back is SQLite's to judge.
+        way = "mode=ro" if unended else "mode=ro&immutable=1"
+        _refuse_written(path)
+        state = _state(path)
         connection = sqlite3.connect(f"{path.absolute().as_uri()}?{way}", uri=True)
         try:
             if hasattr(connection, "setlimit"):  # Since Python 3.11.
@@ -35,14 +39,40 @@ def reading(path: Path) -> Iterator[sqlite3.Connection]:
             # A damaged file must not call functions from its schema.
             connection.execute("pragma trusted_schema=off")
             yield connection
-        except sqlite3.OperationalError as error:
-            if "locked" in str(error):
-                raise RevisitError(f"{path}: another program writes to it: end that, or import a copy") from error
+            _refuse_written(path)
+            if _state(path) != state:
+                raise RevisitError(f"{path}: {WRITTEN}")
+        except sqlite3.DatabaseError as error:
+            if "locked" in str(error) or _state(path) != state:
+                raise RevisitError(f"{path}: {WRITTEN}") from error
             if unended:
                 raise RevisitError(f"{path}: {error}; {unended}") from error
             raise
         finally:
             connection.close()
+
+
+def _refuse_written(path: Path) -> None:
+    """Refuse a file that another program is writing to; a lock is held for an instant only."""
+    # Of a database with a log SQLite makes the log's files even to read.
+    if first_bytes(path)[18:19] == b"\2" or not_ended(path):
+        return
+    probe = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+    try:
+        probe.execute("pragma schema_version").fetchall()
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            raise RevisitError(f"{path}: {WRITTEN}") from error
+    except sqlite3.DatabaseError:
+        pass  # The reader says what is wrong with it.
+    finally:
+        probe.close()
+
+
+def _state(path: Path) -> tuple[int, int, bytes]:
+    """Return what changes with every write: size, time, and the counter of changes in the header."""
+    found = path.stat()
+    return found.st_size, found.st_mtime_ns, first_bytes(path)[24:28]
 
 
 def not_ended(path: Path) -> str:

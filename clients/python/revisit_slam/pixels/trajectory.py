@@ -25,8 +25,10 @@ MAX_OUTSIDE_NS = 20_000_000
 FORM = "seconds x y z qx qy qz qw"
 UNNAMED: Columns = {name: (place, "") for place, name in enumerate(TUM)}
 NUMBER = re.compile(r"[-+]?(\.?\d.*|nan|inf)", re.IGNORECASE)
+GRAPH = re.compile("VERTEX|EDGE|PARAMS")
+TIMES_OF_RTABMAP = "RTAB-Map writes times with `rtabmap-export --poses_camera --poses_format 10`"
 MATRIX = (
-    "a matrix without a time. RTAB-Map writes times with `rtabmap-export --poses_camera --poses_format 10`; to KITTI's poses "
+    f"a matrix without a time. {TIMES_OF_RTABMAP}; to KITTI's poses "
     "evo's contrib/kitti_poses_and_timestamps_to_trajectory.py adds times.txt"
 )
 POSITION_MAX_M = 1e9
@@ -92,16 +94,20 @@ def read_tum(path: Path) -> Trajectory:
         RevisitError: It is of another form, or more than half of its lines are bad.
     """
     columns, width, rows = _lines(path)
-    left_out, poses = LeftOut(), []
+    left_out, poses, landmarks = LeftOut(), [], 0
     for number, cells in rows:
         pose = _pose(columns, cells) if len(cells) == width else f"not of {width} columns"
         if isinstance(pose, str):
             left_out.add(f"line {number}", pose)
+        elif poses and pose[0] == 0 and poses[0][0] > 0:
+            # RTAB-Map's format 11 ends with landmarks, which have no time.
+            landmarks += 1
         else:
             poses.append(pose)
     if not poses or 2 * left_out.count > len(rows):
         raise RevisitError(f"{path}: no poses in it: {'; '.join(left_out.told()) or f'no line of `{FORM}`'}")
     unit, assumed = _unit(path, columns, sorted(time for time, *_ in poses))
+    assumed += (f"{landmarks} lines without a time are landmarks of RTAB-Map",) if landmarks else ()
     return Trajectory(str(path), [(int(time * unit), *pose) for time, *pose in poses], assumed=assumed, left_out=left_out)
 
 
@@ -121,6 +127,8 @@ def _lines(path: Path) -> tuple[Columns, int, list[tuple[int, list[str]]]]:
                 lacking = ", ".join(name for name in TUM if name not in named)
                 raise RevisitError(f"{path}, line {number}: no line of `{FORM}`; as names of columns it lacks {lacking}")
     count = Counter(len(cells) for _, cells in rows).most_common(1)[0][0] if rows else width
+    if any(GRAPH.match(cells[0]) for _, cells in rows[:1]):
+        raise RevisitError(f"{path}: a pose graph without times. {TIMES_OF_RTABMAP}")
     if columns is UNNAMED and count != width:
         told = MATRIX if count in (12, 16) else f"`{FORM}` has {width}: name them all in a first line, `# timestamp x y z ..`"
         raise RevisitError(f"{path}: {count} numbers a line: {told}")

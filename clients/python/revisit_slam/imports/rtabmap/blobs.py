@@ -18,7 +18,7 @@ MATRIX_TAIL = struct.Struct("<iii")
 DEPTHS = {0: "<u1", 1: "<i1", 2: "<u2", 3: "<i2", 4: "<i4", 5: "<f4", 6: "<f8"}
 # A camera: version (three numbers), 0, width, height, how many numbers K, D, R, P have, and those of its place.
 MONO_HEADER = struct.Struct("<11i")
-# Two cameras: version, 1, how many numbers R, T, E and F have, bytes of the left and the right camera.
+# A stereo pair: version, 1, how many numbers R, T, E and F have, bytes of the left and the right camera.
 STEREO_HEADER = struct.Struct("<10i")
 KIND_AT = struct.Struct("<12xi")
 MONO, STEREO = 0, 1
@@ -63,21 +63,25 @@ def camera_of(blob: bytes, where: str) -> tuple[Pinhole | None, np.ndarray, int]
     Pictures are rectified where RTAB-Map takes features, so the camera is its projection P, or K where there is no P.
     """
     kind = KIND_AT.unpack_from(blob)[0] if len(blob) >= KIND_AT.size else None
-    if kind == STEREO and len(blob) >= STEREO_HEADER.size:
-        *_, r, t, e, f, left, _ = STEREO_HEADER.unpack_from(blob)
-        begun = STEREO_HEADER.size + 8 * (r + t + e + f)
-        if min(r, t, e, f, left) < 0 or begun + left > len(blob):
-            raise RevisitError(f"{where}: its calibration of two cameras is cut off")
-        camera, base_from_camera, _ = camera_of(blob[begun : begun + left], where)
-        return camera, base_from_camera, 1
-    if kind != MONO or len(blob) < MONO_HEADER.size:
+    header, one = {MONO: (MONO_HEADER, _mono), STEREO: (STEREO_HEADER, _stereo)}.get(kind, (None, None))
+    if header is None or one is None or len(blob) < header.size:
         raise RevisitError(f"{where}: its calibration of {len(blob)} bytes is of no form that is known")
-    camera, base_from_camera, size = _mono(blob, where)
+    camera, base_from_camera, size = one(blob, where)
     cameras, rest = 1, blob[size:]
-    while rest and len(rest) >= MONO_HEADER.size:
-        _, _, size = _mono(rest, where)
+    while len(rest) >= header.size:
+        _, _, size = one(rest, where)
         cameras, rest = cameras + 1, rest[size:]
     return camera, base_from_camera, cameras
+
+
+def _stereo(blob: bytes, where: str) -> tuple[Pinhole | None, np.ndarray, int]:
+    """Return the left camera of a pair."""
+    *_, r, t, e, f, left, right = STEREO_HEADER.unpack_from(blob)
+    begun = STEREO_HEADER.size + 8 * (r + t + e + f)
+    if min(r, t, e, f, right) < 0 or left < MONO_HEADER.size or begun + left + right > len(blob):
+        raise RevisitError(f"{where}: its calibration of two cameras is cut off")
+    camera, base_from_camera, _ = _mono(blob[begun : begun + left], where)
+    return camera, base_from_camera, begun + left + right
 
 
 def _mono(blob: bytes, where: str) -> tuple[Pinhole | None, np.ndarray, int]:

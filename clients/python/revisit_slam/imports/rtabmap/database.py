@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import sqlite3
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,19 +21,24 @@ from ..observation import Observation
 from ..opened import Opened, Wanted
 from ..sqlite_file import need_columns, reading
 from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
-from .node import LANDMARK, MAX_WORD, Landmarks, Mounted, Nodes, Words, observation, usable_descriptors
+from .node import (
+    ASSUMED_SIDE_M, LANDMARK, MAX_WORD, Landmarks, Mounted, Nodes, Words, observation, usable_descriptors, without_features
+)  # fmt: skip
 
 FEATURE = ("word_id", "pos_x", "pos_y", "dir", "octave", "depth_x", "depth_y", "depth_z", "descriptor_size", "descriptor")
 TABLES = {
     "Admin": ("version",),
     "Node": ("id", "map_id", "weight", "stamp", "pose"),
     "Data": ("id", "calibration"),
-    "Link": ("from_id", "to_id", "type", "transform"),
+    "Link": ("from_id", "to_id", "type", "transform", "user_data"),
     "Feature": ("node_id", *FEATURE),
 }
 # Since then a calibration says how long it is.
 SERIALIZED_CALIBRATION = (0, 18, 0)
+MAX_TOLD = 12
 MAX_NODE_ID = 2**31 - 1
+# A tag that is larger is none.
+MAX_SIDE_M = 10.0
 
 
 def open_map(path: Path, wanted: Wanted) -> Opened:
@@ -55,12 +61,18 @@ class Database:
         self._name = wanted.name(path)
         self._floats_only = self._version() < SERIALIZED_CALIBRATION
         self._nodes = Nodes()
+        self._without = Counter[str]()
+        self._several = 0
 
     def keyframes(self) -> Iterator[Observation]:
         """Yield the nodes in the order of their numbers, which is that of time."""
         optimised = self._optimised()
+        maps, joined = self._maps(optimised)
         if not optimised:
             self._account.notes.append("no optimised poses in it: they are those of odometry")
+        elif maps - joined:
+            told = ", ".join(f"{self._name}-{map_id}" for map_id in sorted(maps - joined)[:MAX_TOLD])
+            self._account.notes.append(f"not joined with the optimised graph, and of odometry's poses: {told}")
         for id, map_id, weight, stamp, pose in self._connection.execute("select id, map_id, weight, stamp, pose from Node order by id"):
             if len(self._nodes.names) >= MAX_KEYFRAMES:
                 raise RevisitError(f"{self._path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
@@ -69,18 +81,39 @@ class Database:
                     raise RevisitError(f"{where} of map {map_id} has no number that a node has")
                 if weight is not None and weight < 0:
                     raise RevisitError(f"{where}: between keyframes, without features")
-                # Poses of odometry are of another frame: of the two only one is taken.
-                map_from_base = pose_of(optimised.get(id) if optimised else pose, where)
+                # Poses of odometry are of another frame: of the two only one is taken in a session.
+                is_optimised = map_id in joined
+                map_from_base = pose_of(optimised.get(id) if is_optimised else pose, where)
                 if map_from_base is None:
-                    raise RevisitError(f"{where}: without an optimised pose" if optimised else f"{where}: without a pose")
+                    raise RevisitError(f"{where}: without an optimised pose" if is_optimised else f"{where}: without a pose")
                 yield self._keyframe(id, map_id, stamp, map_from_base, where)
+            if id not in self._nodes.names:
+                self._nodes.leave_out(id, self._links(id))
+        for why, count in self._without.items():
+            self._account.notes.append(f"{count} keyframes have words, but no features: {why}")
+        if self._several:
+            self._account.notes.append(f"of {self._several} keyframes with several cameras only the first camera's features are taken")
+
+    def _maps(self, optimised: dict[int, bytes]) -> tuple[set[Any], set[Any]]:
+        """Return the maps, and those that the optimised graph joins: RTAB-Map keeps it of the last map and what is linked to it."""
+        maps, joined = set[Any](), set[Any]()
+        for id, map_id in self._connection.execute("select id, map_id from Node"):
+            maps.add(map_id)
+            if id in optimised:
+                joined.add(map_id)
+        return maps, joined
 
     def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:
         words, mounted, landmarks = self._words(id, where), self._mounted(id, where), self._landmarks(id, where)
         seen = observation(f"{self._name}-{map_id}", id, stamp, map_from_base, mounted, words, landmarks)
-        links = self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,))
-        self._nodes.join(id, seen, links)
+        why = without_features(mounted, words)
+        self._without.update([why] if why else [])
+        self._several += mounted.cameras > 1
+        self._nodes.join(id, seen, self._links(id))
         return seen
+
+    def _links(self, id: int) -> Iterator[tuple[int, int]]:
+        return self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,))
 
     def _version(self) -> tuple[int, ...]:
         row = self._connection.execute("select version from Admin").fetchone()
@@ -114,11 +147,11 @@ class Database:
 
     def _landmarks(self, id: int, where: str) -> Landmarks:
         rows = self._connection.execute(
-            "select to_id, transform from Link where from_id = ? and type = ? and to_id < 0 order by to_id limit ?",
+            "select to_id, transform, user_data from Link where from_id = ? and type = ? and to_id < 0 order by to_id limit ?",
             (id, LANDMARK, MAX_DETECTIONS),
         )
-        found = ((number, pose_of(place, f"{where}: landmark {number}")) for number, place in rows)
-        return [(number, place) for number, place in found if place is not None]
+        found = ((number, pose_of(place, f"{where}: landmark {number}"), side) for number, place, side in rows)
+        return [(number, place, _side_m(side, f"{where}: landmark {number}")) for number, place, side in found if place is not None]
 
     def _words(self, id: int, where: str) -> Words:
         columns = ", ".join(FEATURE)
@@ -136,6 +169,14 @@ class Database:
         # 32-bit floats in RTAB-Map itself, and so in the recording.
         pixels, angles_deg = numbers[:, 1:3].astype(np.float32), numbers[:, 3].astype(np.float32)
         return Words(ids, pixels, octaves, angles_deg, numbers[:, 5:], _descriptors(rows, where))
+
+
+def _side_m(blob: object, where: str) -> float:
+    """Return the side of a tag, which RTAB-Map keeps as the link's user data."""
+    if not isinstance(blob, bytes) or not blob:
+        return ASSUMED_SIDE_M
+    sides = matrix_of(blob, where).ravel()
+    return float(sides[0]) if sides.dtype == np.float32 and len(sides) == 1 and 0 < sides[0] <= MAX_SIDE_M else ASSUMED_SIDE_M
 
 
 def _descriptors(rows: list[tuple[Any, ...]], where: str) -> np.ndarray | None:

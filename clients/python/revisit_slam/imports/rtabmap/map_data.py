@@ -74,6 +74,7 @@ def _keyframes(bag: Bag, topic: str, name: str, account: Account) -> Iterator[Ob
                         here, near = graph, _neighbours(graph).get(id, [])
                     seen = observation_of(node, here, name, where)
                     if seen is None:
+                        nodes.leave_out(id, near)
                         raise RevisitError(f"{where}: without a pose, or between keyframes")
                     left_graph += here is not final
                     nodes.join(id, seen, near)

@@ -14,7 +14,7 @@ from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..poses import matrix
 from .blobs import matrix_of
-from .node import LANDMARK, Landmarks, Mounted, Words, observation, usable_descriptors
+from .node import ASSUMED_SIDE_M, LANDMARK, Landmarks, Mounted, Words, observation, usable_descriptors
 
 MAX_NODE_ID = 2**31 - 1
 
@@ -46,7 +46,7 @@ def graph_of(message: Any, account: Account, where: str) -> Graph:
         one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
         if kind == LANDMARK and one > 0 > other:
             with account.part(f"the link from {one} to {other}") as part:
-                landmarks.setdefault(one, []).append((other, transform_of(link.transform, part)))
+                landmarks.setdefault(one, []).append((other, transform_of(link.transform, part), ASSUMED_SIDE_M))
         elif one > 0 and other > 0:
             links.append((one, other, kind))
     return Graph(poses, links, transform_of(message.map_to_odom, f"{where}: map_to_odom"), landmarks)

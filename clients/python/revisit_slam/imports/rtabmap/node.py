@@ -32,8 +32,12 @@ LANDMARK = 8
 COVISIBLE = {NEIGHBOUR, LOCAL_SPACE_CLOSURE, LOCAL_TIME_CLOSURE, NEIGHBOUR_MERGED}
 LOOPS = {GLOBAL_CLOSURE, USER_CLOSURE}
 CLASS = "landmark"
-# Links do not tell how large a tag is; only its box in the picture depends on it.
+# Where nothing tells how large a tag is; only its box in the picture depends on it.
 ASSUMED_SIDE_M = 0.16
+# Links of consecutive nodes.
+CONSECUTIVE = {NEIGHBOUR, NEIGHBOUR_MERGED}
+# Beyond nodes that are no keyframes, so many are joined: the last ones.
+MAX_BEYOND = 8
 NEAREST_M = 0.05
 
 
@@ -59,8 +63,8 @@ class Mounted:
     cameras: int = 1
 
 
-# Landmarks that a node saw: their numbers, and `base_from_landmark`.
-Landmarks = list[tuple[int, np.ndarray]]
+# Landmarks that a node saw: their numbers, `base_from_landmark`, and their sides in metres.
+Landmarks = list[tuple[int, np.ndarray, float]]
 
 
 def observation(
@@ -80,25 +84,40 @@ def observation(
 
 
 class Nodes:
-    """The nodes so far: the names of their keyframes, and the words of the last ones."""
+    """The nodes so far: the names of their keyframes, and the words of the last ones.
+
+    Neighbours of a node that is no keyframe, such as those between keyframes, are neighbours of each other.
+    """
 
     def __init__(self) -> None:
         self.names: dict[int, str] = {}
+        # Of a node that is no keyframe: the keyframes before it.
+        self._before: dict[int, tuple[int, ...]] = {}
         self._words: OrderedDict[int, np.ndarray] = OrderedDict()
 
     def join(self, node: int, seen: Observation, links: Iterable[tuple[int, int]]) -> None:
         """Add a node, and tell its observation which earlier ones it is linked with (node, type)."""
         words = np.fromiter(seen.words or (), np.int64)
         for other, kind in links:
-            earlier = self.names.get(other)
-            if earlier is not None and kind in LOOPS:
-                seen.loops.append(earlier)
-            elif earlier is not None and kind in COVISIBLE:
-                seen.covisible[earlier] = len(np.intersect1d(words, self._words.get(other, ()), assume_unique=True))
+            if other in self.names and kind in LOOPS:
+                seen.loops.append(self.names[other])
+            elif kind in COVISIBLE:
+                for near in self._reached(other, kind):
+                    seen.covisible[self.names[near]] = len(np.intersect1d(words, self._words.get(near, ()), assume_unique=True))
         self.names[node] = seen.id
         self._words[node] = words
         if len(self._words) > NODES_AT_HAND:
             self._words.popitem(last=False)
+
+    def leave_out(self, node: int, links: Iterable[tuple[int, int]]) -> None:
+        """Add a node that is no keyframe."""
+        before = {near for other, kind in links if kind in CONSECUTIVE for near in self._reached(other, kind)}
+        self._before[node] = tuple(sorted(before)[-MAX_BEYOND:])
+
+    def _reached(self, other: int, kind: int) -> tuple[int, ...]:
+        if other in self.names:
+            return (other,)
+        return self._before.get(other, ()) if kind in CONSECUTIVE else ()
 
 
 def _features(node: int, map_from_base: np.ndarray, mounted: Mounted, words: Words) -> tuple[Features | None, dict[int, np.ndarray]]:
@@ -121,13 +140,13 @@ def _features(node: int, map_from_base: np.ndarray, mounted: Mounted, words: Wor
 def _detections(landmarks: Landmarks, map_from_base: np.ndarray, mounted: Mounted) -> list[dict[str, Any]]:
     """Return the landmarks in front of a camera as detections of the API."""
     found, camera = [], mounted.camera
-    for number, base_from_landmark in landmarks:
+    for number, base_from_landmark, side_m in landmarks:
         in_base = base_from_landmark[:3, 3]
         x, y, z = moved(inverse(mounted.base_from_camera), in_base[None])[0]
         if camera is None or not z > NEAREST_M:
             continue
         u, v = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
-        half = ASSUMED_SIDE_M / 2 * camera.fx / z
+        half = side_m / 2 * camera.fx / z
         found.append(
             {
                 "class": CLASS,
@@ -138,6 +157,13 @@ def _detections(landmarks: Landmarks, map_from_base: np.ndarray, mounted: Mounte
             }
         )
     return found
+
+
+def without_features(mounted: Mounted, words: Words) -> str | None:
+    """Return why a node with words has no features, if it has none."""
+    if not len(words.ids) or (words.descriptors is not None and mounted.camera is not None):
+        return None
+    return "no size of its camera" if words.descriptors is not None else "no binary descriptors, or none of a length that is taken"
 
 
 def usable_descriptors(rows: np.ndarray | None) -> np.ndarray | None:
