@@ -239,6 +239,23 @@ def test_nothing_is_lost_when_the_server_comes_later(tmp_path: Path, drive: Worl
     client.close()
 
 
+def test_neighbours_of_a_node_between_keyframes_are_neighbours(drive: World) -> None:
+    messages = Messages()
+    with Server() as server, Client(server.url) as client:
+        bridge = Bridge(client, "between")
+        rtabmap = RtabmapBridge(bridge, "robot")
+        for number in range(1, 6):
+            message = messages.map_data(drive, number)
+            message.nodes[0].weight = -1 if number == 3 else 1
+            rtabmap.on_map_data(message)
+        settled(bridge)
+        listed = client.list_keyframes("between").items
+        assert len(listed) == 4
+        around = {line.keyframe for line in client.list_covisible("between", listed[2].id).items}
+        assert {listed[1].id, listed[3].id} <= around, "the node between the second and the third joins them"
+        bridge.close()
+
+
 def picture(messages: Messages, stamp_s: float, encoding: str = "rgb8") -> Any:
     data = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     data[100:120, 200:260] = (250, 10, 20) if encoding == "rgb8" else (20, 10, 250)

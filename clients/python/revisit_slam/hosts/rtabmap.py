@@ -65,6 +65,8 @@ class RtabmapBridge:
         self._by_name: dict[str, Followed] = {}
         # Of every node that was sent.
         self._names: dict[int, str] = {}
+        # Of every node the keyframe that it is, or those before it where it is none.
+        self._reached: dict[int, set[str]] = {}
         self._offered: dict[frozenset[int], Loop] = {}
         self._confirmed: set[frozenset[int]] = set()
 
@@ -118,16 +120,18 @@ class RtabmapBridge:
         if id in self._names or len(self._names) >= MAX_KEYFRAMES:
             return
         seen = observation_of(node, graph, self._name, where)
+        linked = [other if one == id else one for one, other, kind in graph.links if id in (one, other) and kind in CONSECUTIVE]
+        # Of loops the server is asked; that consecutive nodes see the same it need not find out.
+        near = {name for other in linked for name in self._reached.get(other, ())}
         if seen is None:
+            # A node that is no keyframe: what is linked with it is so with those before it.
+            self._reached[id] = near
             return
-        for one, other, kind in graph.links:
-            near = self._names.get(other if one == id else one) if id in (one, other) else None
-            # Of loops the server is asked; that consecutive nodes see the same it need not find out.
-            if near is not None and kind in CONSECUTIVE:
-                seen.covisible[near] = 1
+        seen.covisible.update(dict.fromkeys(near, 1))
         if not self._bridge.send(seen.id, seen.body()):
             return
         self._names[id] = seen.id
+        self._reached[id] = {seen.id}
         if len(self._followed) >= MAX_FOLLOWED:
             return
         map_from_base = graph.poses.get(id)
