@@ -32,6 +32,7 @@ NEIGHBOUR, LOOP = 0, 1
 # A tag that the first node saw, ahead of it.
 TAG = 12
 TAG_IN_MAP = np.array([[0, -1, 0, 4.0], [1, 0, 0, 1.0], [0, 0, 1, 0.5], [0, 0, 0, 1]])
+TAG_SIDE_M = 0.25
 # Nodes count from 1; every third feature has no depth.
 WITHOUT_DEPTH = 3
 # What odometry makes of the drive: optimised poses put it right.
@@ -50,11 +51,11 @@ def floats(pose: np.ndarray) -> bytes:
     return pose[:3].astype("<f4").tobytes()
 
 
-def mono_calibration(fx: float = FX) -> bytes:
+def mono_calibration(fx: float = FX, width: int = WIDTH) -> bytes:
     """Return a camera as RTAB-Map 0.18 and later keeps it: K, and the projection P, which counts."""
     k = [2 * fx, 0, CX, 0, 2 * FY, CY, 0, 0, 1]
     p = [fx, 0, CX, 0, 0, FY, CY, 0, 0, 0, 1, 0]
-    header = struct.pack("<11i", 0, 21, 4, 0, WIDTH, HEIGHT, 9, 5, 0, 12, 12)
+    header = struct.pack("<11i", 0, 21, 4, 0, width, HEIGHT, 9, 5, 0, 12, 12)
     return header + np.array([*k, *[0.0] * 5, *p], "<f8").tobytes() + floats(BASE_FROM_CAMERA)
 
 
@@ -75,21 +76,26 @@ def in_base(world: World, stand: Stand) -> np.ndarray:
 
 
 def rtabmap(
-    path: Path, world: World, *, calibration: bytes | None = None, version: str = "0.21.4", optimised: bool = True, binary: bool = True
+    path: Path, world: World, *, calibration: bytes | None = None, version: str = "0.21.4", optimised: bool = True, binary: bool = True,
+    earlier: int = 0, side_m: float | None = TAG_SIDE_M,
 ) -> Path:
-    """Write an RTAB-Map database; node 100 lies between keyframes, node 101 is not in the optimised graph."""
+    """Write an RTAB-Map database; node 100 lies between keyframes, node 101 is not in the optimised graph.
+
+    So many `earlier` stands are a session of their own, which nothing joins with the optimised graph.
+    """
     database = sqlite3.connect(path)
     database.executescript(RTABMAP_SCHEMA)
     ids, poses = [], []
     for stand in world.stands:
         id = stand.number + 1
         database.execute(
-            "insert into Node (id, map_id, weight, stamp, pose) values (?, 0, 1, ?, ?)",
-            (id, stand.stamp_s, floats(DRIFT @ stand.map_from_base)),
+            "insert into Node (id, map_id, weight, stamp, pose) values (?, ?, 1, ?, ?)",
+            (id, int(0 < earlier < id), stand.stamp_s, floats(DRIFT @ stand.map_from_base)),
         )
         database.execute("insert into Data (id, calibration) values (?, ?)", (id, calibration or mono_calibration()))
-        ids.append(id)
-        poses.append(stand.map_from_base[:3].astype(np.float32).ravel())
+        if id > earlier:
+            ids.append(id)
+            poses.append(stand.map_from_base[:3].astype(np.float32).ravel())
         for at, (point, pixel, place) in enumerate(zip(stand.seen, stand.pixels, in_base(world, stand))):
             depth = [None] * 3 if at % WITHOUT_DEPTH == 0 else [float(np.float32(value)) for value in place]
             descriptor = world.descriptors[point].tobytes() if binary else np.zeros(64, "<f4").tobytes()
@@ -98,12 +104,13 @@ def rtabmap(
                 "insert into Feature values (?, ?, ?, ?, 31, ?, 0.5, ?, ?, ?, ?, ?, ?)",
                 (id, int(point) + 1, u, v, float(world.angles_deg[point]), int(point) % 8, *depth, 32 if binary else 64, descriptor),
             )
-        if id > 1:
+        if id not in (1, earlier + 1):
             _link(database, id, id - 1, NEIGHBOUR)
-    _link(database, len(ids), 1, LOOP)
-    for ids_of_link in ((1, -TAG), (-TAG, 1)):
-        place = np.linalg.inv(world.stands[0].map_from_base) @ TAG_IN_MAP if world.stands else np.eye(4)
-        database.execute("insert into Link values (?, ?, 8, ?, ?, null)", (*ids_of_link, bytes(288), floats(place)))
+    _link(database, len(world.stands), earlier + 1, LOOP)
+    # Unlike other links one from the node to the tag only, with the tag's side.
+    place = np.linalg.inv(world.stands[0].map_from_base) @ TAG_IN_MAP if world.stands else np.eye(4)
+    side = None if side_m is None else compressed(np.array([[side_m]], np.float32))
+    database.execute("insert into Link values (1, ?, 8, ?, ?, ?)", (-TAG, bytes(288), floats(place), side))
     for id, weight in ((100, -1), (101, 0)):
         database.execute(
             "insert into Node (id, map_id, weight, stamp, pose) values (?, 0, ?, 1, ?)", (id, weight, None if optimised else b"")

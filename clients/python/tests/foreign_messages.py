@@ -118,8 +118,13 @@ class Messages:
         return self.make(MAP_DATA, header=header, graph=self.graph(stands, links, **more), nodes=[self.node(world, stands[-1])])
 
 
-def map_data(folder: Path, world: World, *, mcap: bool = True, moved: np.ndarray | None = None) -> Path:
-    """Write a recording with a message a node; all but the last have the graph before it was optimised (`moved`)."""
+def map_data(
+    folder: Path, world: World, *, mcap: bool = True, moved: np.ndarray | None = None, between: tuple[int, ...] = ()
+) -> Path:
+    """Write a recording with a message a node; all but the last have the graph before it was optimised (`moved`).
+
+    The nodes `between` are none of the keyframes, but between them.
+    """
     from rosbags.rosbag2 import StoragePlugin, Writer
 
     messages = Messages()
@@ -129,5 +134,6 @@ def map_data(folder: Path, world: World, *, mcap: bool = True, moved: np.ndarray
         for count in range(1, len(world.stands) + 1):
             last = count == len(world.stands)
             message = messages.map_data(world, count, moved=None if last else moved)
+            message.nodes[0].weight = -1 if count in between else 1
             writer.write(connection, int(world.stands[count - 1].stamp_s * 1e9), messages.store.serialize_cdr(message, MAP_DATA))
     return next(folder.glob("*.mcap")) if mcap else folder

@@ -4,6 +4,7 @@ import json
 import sqlite3
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,6 +88,17 @@ def test_a_tag_is_a_detection_where_it_hangs_in_the_map_and_in_the_picture(
     assert np.abs(projected(first, place[None])[0] - ((x0 + x1) / 2, (y0 + y1) / 2)).max() < FLOAT_PX
 
 
+@pytest.mark.parametrize(("written_m", "expected_m"), [(0.3, 0.3), (None, 0.16), (0.0, 0.16), (99.0, 0.16), (float("nan"), 0.16)])
+def test_the_box_of_a_tag_is_as_large_as_its_link_says(
+    written_m: float | None, expected_m: float, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = imported(foreign_maps.rtabmap(tmp_path / "office.db", drive, side_m=written_m), tmp_path, capsys)
+    first, *_ = found.keyframes.values()
+    x0, y0, x1, y1 = first["detections"][0]["box"]
+    depth_m = (np.linalg.inv(pose_of(first)) @ foreign_maps.TAG_IN_MAP)[2, 3]
+    assert (x1 - x0, y1 - y0) == pytest.approx((expected_m * FX / depth_m,) * 2, abs=FLOAT_PX)
+
+
 def test_counts_are_printed_for_a_program(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = foreign_maps.stella(tmp_path / "hall.db", drive)
     assert main(["import", str(path), "-o", str(tmp_path / "o.ndjson"), "--json", "--set", "candidates_max=5"]) == 0
@@ -103,6 +115,41 @@ def test_without_optimised_poses_those_of_odometry_count(drive: World, tmp_path:
         assert np.abs(pose_of(body) - DRIFT @ stand.map_from_camera).max() < FLOAT_M
 
 
+def test_a_session_that_the_optimised_graph_does_not_join_has_odometrys_poses(
+    drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = imported(foreign_maps.rtabmap(tmp_path / "office.db", drive, earlier=2), tmp_path, capsys)
+    assert "not joined with the optimised graph, and of odometry's poses: office-0\n" in found.told
+    assert [body["session"] for body in found.keyframes.values()] == ["office-0"] * 2 + ["office-1"] * 4
+    for stand, body in zip(drive.stands, found.keyframes.values()):
+        moved = DRIFT if stand.number < 2 else np.eye(4)
+        assert np.abs(pose_of(body) - moved @ stand.map_from_camera).max() < FLOAT_M
+    assert found.loops == [("office-1-6", "office-1-3")]
+
+
+@pytest.mark.parametrize("form", ["rtabmap", "map_data"])
+@pytest.mark.parametrize("between", [(2,), (3, 4), (2, 3, 5)])
+def test_keyframes_are_covisible_across_the_nodes_between_them(
+    between: tuple[int, ...], form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # So slow that it sees points again two stands later.
+    drive = world(stands=24)
+    if form == "rtabmap":
+        path = foreign_maps.rtabmap(tmp_path / "office.db", drive)
+        with sqlite3.connect(path) as database:
+            database.executemany("update Node set weight = -1 where id = ?", [(id,) for id in between])
+    else:
+        path = foreign_messages.map_data(tmp_path / "office", drive, between=between)
+    found = imported(path, tmp_path, capsys)
+    stands = [stand for stand in drive.stands if stand.number + 1 not in between]
+    assert list(found.keyframes) == [f"office-0-{stand.number + 1}" for stand in stands]
+    for before, stand in zip(stands, stands[1:]):
+        common = len(np.intersect1d(before.seen, stand.seen))
+        assert common > 0 or stand.number > 6
+        expected = [{"keyframe": f"office-0-{before.number + 1}", "shared": common}]
+        assert found.keyframes[f"office-0-{stand.number + 1}"]["covisible"] == expected
+
+
 @pytest.mark.parametrize(("calibration", "version"), [("stereo", "0.20.0"), ("floats", "0.17.6")])
 def test_calibrations_of_other_forms_are_read(
     calibration: str, version: str, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -112,16 +159,49 @@ def test_calibrations_of_other_forms_are_read(
     assert_rtabmap(found, drive, "office")
 
 
-def test_descriptors_of_floats_are_left_out_and_words_stay(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = imported(foreign_maps.rtabmap(tmp_path / "office.db", drive, binary=False), tmp_path, capsys)
-    assert all("features" not in body and body["bow"] for body in found.keyframes.values())
+NOT_BINARY = "no binary descriptors, or none of a length that is taken"
 
 
-def test_two_cameras_side_by_side_send_the_first_ones_features(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = foreign_maps.rtabmap(tmp_path / "office.db", drive, calibration=2 * foreign_maps.mono_calibration())
+@pytest.mark.parametrize(
+    ("written", "change", "why"),
+    [
+        ({"binary": False}, "", NOT_BINARY),
+        ({}, "update Feature set descriptor_size = 0, descriptor = null", NOT_BINARY),
+        ({}, "update Feature set descriptor_size = 3, descriptor = x'010203'", NOT_BINARY),
+        ({}, "update Data set calibration = null", "no size of its camera"),
+        ({"calibration": foreign_maps.mono_calibration(width=0)}, "", "no size of its camera"),
+    ],
+)
+def test_words_stay_where_there_are_no_features_and_a_note_says_why(
+    written: dict[str, Any], change: str, why: str, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = foreign_maps.rtabmap(tmp_path / "office.db", drive, **written)
+    with sqlite3.connect(path) as database:
+        database.execute(change)
+    found = imported(path, tmp_path, capsys)
+    assert f"{len(drive.stands)} keyframes have words, but no features: {why}\n" in found.told
+    for stand, body in zip(drive.stands, found.keyframes.values()):
+        assert "features" not in body
+        assert column(body["bow"], "words", "words_u32", "<u4").tolist() == (stand.seen + 1).tolist()
+
+
+@pytest.mark.parametrize(
+    ("calibration", "version"),
+    [
+        (2 * foreign_maps.mono_calibration(), "0.21.4"),
+        (2 * foreign_maps.stereo_calibration(), "0.21.4"),
+        (3 * foreign_maps.stereo_calibration(), "0.21.4"),
+        (2 * foreign_maps.floats_calibration(), "0.17.6"),
+    ],
+)
+def test_several_cameras_side_by_side_send_the_first_ones_features(
+    calibration: bytes, version: str, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = foreign_maps.rtabmap(tmp_path / "office.db", drive, calibration=calibration, version=version)
     with sqlite3.connect(path) as database:
         database.execute("update Feature set pos_x = pos_x + 640 where word_id % 2 = 0")
     found = imported(path, tmp_path, capsys)
+    assert f"of {len(drive.stands)} keyframes with several cameras only the first camera's features are taken\n" in found.told
     for stand, body in zip(drive.stands, found.keyframes.values()):
         keypoints, _, _ = features_of(body)
         assert np.abs(keypoints[:, :2] - stand.pixels[(stand.seen + 1) % 2 == 1]).max() < 1e-3

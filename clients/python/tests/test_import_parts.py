@@ -9,6 +9,7 @@ import sqlite3
 import struct
 import subprocess
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,9 @@ import foreign_maps  # noqa: E402
 import foreign_messages  # noqa: E402
 from foreign_world import World, world  # noqa: E402
 
+from revisit_slam.errors import RevisitError  # noqa: E402
+from revisit_slam.imports.opened import Wanted  # noqa: E402
+from revisit_slam.imports.rtabmap.database import open_map  # noqa: E402
 from revisit_slam.play import main  # noqa: E402
 from revisit_slam.server import find_binary  # noqa: E402
 
@@ -40,7 +44,8 @@ def sql(statement: str, *values: object) -> Damage:
     """Return what runs a statement in a database."""
 
     def damage(path: Path) -> None:
-        with sqlite3.connect(path) as database:
+        # A connection that is not closed keeps its log until it is collected.
+        with closing(sqlite3.connect(path)) as database, database:
             assert database.execute(statement, values).rowcount > 0
 
     return damage
@@ -120,6 +125,7 @@ PARTS = [
     ("rtabmap", sql("update Feature set pos_x = 'left' where node_id = 5"), [4], "numbers are of another kind: node 5"),
     ("rtabmap", sql("update Feature set word_id = 'x' where node_id in (1, 3)"), [0, 2], "another kind: node 1, node 3"),
     ("rtabmap", sql("update Node set id = -5 where id = 1"), [0], "of map 0 has no number that a node has: node -5"),
+    ("rtabmap", sql("update Node set map_id = case id when 100 then 'x' else x'00' end where id > 99"), [], "of map x has no number"),
     ("rtabmap", optimised(2, NAN), [1], "left out 1: its position (nan,"),
     ("rtabmap", optimised(2, 1e30), [1], "is no place: node 2"),
     ("stella", sql("update keyframes set pose_cw = zeroblob(128) where id = 0"), [0], "1: its rotation is none: keyframe 0"),
@@ -142,6 +148,23 @@ PARTS = [
     ("map_data", message(lambda m: setattr(m.nodes[0], "stamp", NAN), 3), [], ""),
     ("map_data", last_pose_of(2), [1], "is no place: node 2"),
 ]
+
+
+@pytest.mark.parametrize(
+    ("form", "damage"),
+    [
+        ("rtabmap", sql("update Data set calibration = x'00' where id = 3")),
+        ("map_data", message(lambda m: setattr(m.nodes[0].data, "local_transform", []), 3)),
+    ],
+)
+def test_neighbours_of_a_node_that_is_left_out_are_covisible(
+    form: str, damage: Damage, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = getattr(foreign_messages if form == "map_data" else foreign_maps, form)(tmp_path / "m", drive)
+    damage(source)
+    found = imported(source, tmp_path, capsys, "--session", "m")
+    near = {id: [other["keyframe"] for other in body["covisible"]] for id, body in found.keyframes.items()}
+    assert near == {"m-0-1": [], "m-0-2": ["m-0-1"], "m-0-4": ["m-0-2"], "m-0-5": ["m-0-4"]}
 
 
 def points_seen(found: Imported) -> set[tuple[str, int]]:
@@ -459,6 +482,28 @@ def test_a_database_that_is_being_written_says_so(drive: World, tmp_path: Path, 
     writer.close()
     told = refused(copy / "m.db", tmp_path, capsys)
     assert "writing did not end, says m.db-journal" in told and f"`sqlite3 {copy / 'm.db'} .tables`" in told
+
+
+def test_another_program_can_write_while_a_database_is_read_and_then_the_import_is_refused(drive: World, tmp_path: Path) -> None:
+    path = foreign_maps.rtabmap(tmp_path / "m.db", drive)
+    keyframes = open_map(path, Wanted()).keyframes()
+    next(keyframes)
+    # At a lock RTAB-Map would end.
+    writer = sqlite3.connect(path, timeout=0, isolation_level=None)
+    for statement in ("begin exclusive", "insert into Word values (null, 8, zeroblob(8), null)", "commit"):
+        writer.execute(statement)
+    writer.close()
+    with pytest.raises(RevisitError) as error:
+        list(keyframes)
+    assert str(error.value) == f"{path}: another program writes to it: end that, or import a copy"
+
+
+def test_a_database_is_read_again_when_nobody_writes_any_more(drive: World, tmp_path: Path) -> None:
+    path = foreign_maps.rtabmap(tmp_path / "m.db", drive)
+    sql("insert into Word values (null, 8, zeroblob(8), null)")(path)
+    before = path.stat().st_mtime_ns, path.read_bytes()
+    assert len(list(open_map(path, Wanted()).keyframes())) == len(drive.stands)
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == before and list(tmp_path.iterdir()) == [path]
 
 
 def test_a_bag_whose_last_messages_are_in_the_log_says_so(

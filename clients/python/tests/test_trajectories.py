@@ -78,9 +78,29 @@ def test_bad_lines_are_left_out_and_named(tmp_path: Path) -> None:
     ]
 
 
+def test_landmarks_after_the_poses_of_rtabmap_are_told_and_are_no_poses(tmp_path: Path) -> None:
+    poses = [f"17000000{second}.250000 1.5 -2 0.25 {TURN} {second}" for second in (10, 11, 12)]
+    landmarks = [f"0.000000 4 1 0.5 {TURN} {-tag}" for tag in (12, 7)]
+    trajectory = read(tmp_path, "\n".join(["#timestamp x y z qx qy qz qw id", *poses, *landmarks]) + "\n")
+    assert trajectory.assumed == ("2 lines without a time are landmarks of RTAB-Map",)
+    assert trajectory.span_s == pytest.approx((1_700_000_010.25, 1_700_000_012.25), abs=1e-6, rel=0)
+    assert trajectory.at(0) is None and trajectory.left_out.told() == []
+
+
+def test_poses_from_time_zero_on_are_poses(tmp_path: Path) -> None:
+    trajectory = read(tmp_path, "".join(f"{tenth / 10} {tenth} 0 0 {TURN}\n" for tenth in range(5)))
+    assert trajectory.span_s == (0, 0.4) and trajectory.assumed == ()
+
+
+GRAPH = "a pose graph without times. RTAB-Map writes times with `rtabmap-export --poses_camera --poses_format 10`"
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
+        ("VERTEX3 1 0 0 0 0 0 0\nVERTEX3 2 1 0 0 0 0 0\nEDGE3 1 2 1 0 0 0 0 0 1 0 0\n", GRAPH),
+        (f"PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 0 0 0 {TURN}\n", GRAPH),
+        (f"VERTEX_SE3:QUAT 1 0 0 0 {TURN}\nVERTEX_SE3:QUAT 2 1 0 0 {TURN}\n", GRAPH),
         ("1 0 0 0 0 1 0 0 0 0 1 0\n" * 2, "12 numbers a line: a matrix without a time. RTAB-Map writes times with"),
         ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n", "16 numbers a line: a matrix"),
         (f"1 0 0 0 {TURN} 5\n", "9 numbers a line"),

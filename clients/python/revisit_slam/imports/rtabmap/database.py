@@ -94,13 +94,15 @@ class Database:
         if self._several:
             self._account.notes.append(f"of {self._several} keyframes with several cameras only the first camera's features are taken")
 
-    def _maps(self, optimised: dict[int, bytes]) -> tuple[set[Any], set[Any]]:
+    def _maps(self, optimised: dict[int, bytes]) -> tuple[set[int], set[int]]:
         """Return the maps, and those that the optimised graph joins: RTAB-Map keeps it of the last map and what is linked to it."""
-        maps, joined = set[Any](), set[Any]()
+        maps, joined = set[int](), set[int]()
         for id, map_id in self._connection.execute("select id, map_id from Node"):
-            maps.add(map_id)
-            if id in optimised:
-                joined.add(map_id)
+            # Of what is no number the node is left out.
+            if isinstance(map_id, int):
+                maps.add(map_id)
+                if id in optimised:
+                    joined.add(map_id)
         return maps, joined
 
     def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:

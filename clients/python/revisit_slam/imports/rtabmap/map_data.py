@@ -66,19 +66,19 @@ def _keyframes(bag: Bag, topic: str, name: str, account: Account) -> Iterator[Ob
                     raise RevisitError(f"{bag.file}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
                 came.add(id)
                 with account.part(f"node {id}") as where:
-                    if id in final.poses:
-                        here, near = final, neighbours.get(id, [])
-                    else:
+                    here, near = final, neighbours.get(id, [])
+                    if id not in final.poses:
                         # A node that left the graph stands where the graph had it when it came.
                         graph = graph or graph_of(message.graph, account, whole)
                         here, near = graph, _neighbours(graph).get(id, [])
                     seen = observation_of(node, here, name, where)
                     if seen is None:
-                        nodes.leave_out(id, near)
                         raise RevisitError(f"{where}: without a pose, or between keyframes")
                     left_graph += here is not final
                     nodes.join(id, seen, near)
                     yield seen
+                if id not in nodes.names:
+                    nodes.leave_out(id, near)
     if left_graph:
         are = "node is" if left_graph == 1 else "nodes are"
         account.notes.append(f"{left_graph} {are} not in the last graph: they stand where they stood when they came")
