@@ -1296,7 +1296,7 @@ class KeyframeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     detections: list[DetectionOutcome]
     """What became of its detections, in their order."""
     notice: str | None = None
-    """Where nothing joins it with the others of its session: what follows from that. Else left out."""
+    """The consequence of it, where nothing joins it with the others of its session; else left out."""
     loop: LoopAnswer | None = None
     """The answer to the loop query, if the request asked it."""
 

@@ -1,5 +1,7 @@
 //! Erasures: keyframes and sessions that leave a map, its releases and the disk for good.
 
+use std::collections::BTreeMap;
+
 use super::ids::{KeyframeId, ReleaseName, SessionId};
 use super::keyframe::Stamp;
 use crate::named::named;
@@ -24,18 +26,22 @@ pub struct MergedInVersion {
     pub into: SessionId,
 }
 
-/// Returns sessions with all that merged into them in any version of the map: a session is what was sent as it, with every
-/// merge that any version knows.
-pub fn with_merged(sessions: &[SessionId], merges: &[MergedInVersion]) -> Vec<SessionId> {
-    let mut all = sessions.to_vec();
-    let mut at = 0;
-    while let Some(into) = all.get(at).cloned() {
-        for merge in merges.iter().filter(|merge| merge.into == into) {
-            if !all.contains(&merge.session) {
-                all.push(merge.session.clone());
-            }
+/// Returns sessions with all that merged into them in any version of the map, each with the place of the one that it is of: a
+/// session is what was sent as it, with every merge that any version knows.
+pub fn with_merged<'a>(
+    sessions: &'a [SessionId],
+    merges: &'a [MergedInVersion],
+) -> BTreeMap<&'a SessionId, usize> {
+    let mut parts: BTreeMap<&SessionId, Vec<&SessionId>> = BTreeMap::new();
+    for merge in merges {
+        parts.entry(&merge.into).or_default().push(&merge.session);
+    }
+    let mut all = BTreeMap::new();
+    let mut open: Vec<(&SessionId, usize)> = sessions.iter().enumerate().map(|(at, one)| (one, at)).collect();
+    while let Some((session, at)) = open.pop() {
+        if all.insert(session, at).is_none() {
+            open.extend(parts.get(session).into_iter().flatten().map(|part| (*part, at)));
         }
-        at += 1;
     }
     all
 }

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::named::Named;
-use crate::semantics::{PatternError, Patterns};
+use crate::semantics::Patterns;
 
 /// The type of a setting's value, with default and bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,9 +129,6 @@ pub enum SettingError {
     /// The value has none of the setting's names.
     #[error("expected one of {}", .0.join(", "))]
     Choice(&'static [&'static str]),
-    /// A pattern is none.
-    #[error("{0}")]
-    Pattern(PatternError),
 }
 
 /// Ties one field's type to its kind of setting.

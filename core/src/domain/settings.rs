@@ -116,6 +116,15 @@ macro_rules! settings {
                 }
             }
 
+            /// Returns the settings that differ from their defaults.
+            pub fn changed(&self) -> impl Iterator<Item = (&'static str, SettingValue)> {
+                let defaults = Self::default();
+                Self::TABLE.iter().filter_map(move |row| {
+                    let value = self.get(row.name).filter(|value| Some(value) != defaults.get(row.name).as_ref())?;
+                    Some((row.name, value))
+                })
+            }
+
             /// Sets a setting by name, within its bounds.
             pub fn set(&mut self, name: &str, value: SettingValue) -> Result<(), SettingError> {
                 let row = Self::TABLE.iter().find(|row| row.name == name).ok_or(SettingError::Unknown)?;

@@ -32,7 +32,7 @@ pub struct KeyframeAnswer {
     pub map_version: u64,
     /// How many keyframes are covisible with it.
     pub covisible: usize,
-    /// Where nothing joins it with the others of its session: what follows from that. Else left out.
+    /// The consequence of it, where nothing joins it with the others of its session; else left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notice: Option<String>,
     /// What became of its detections, in their order.

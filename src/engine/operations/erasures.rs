@@ -1,5 +1,7 @@
 //! Erasures: asked for, and read. [`crate::engine::erasures`] does them.
 
+use std::collections::BTreeMap;
+
 use crate::domain::erasure::{Erasure, MergedInVersion, NewErasure, with_merged};
 use crate::domain::ids::{BackupId, MapId, SessionId};
 use crate::domain::invalid::FieldError;
@@ -39,24 +41,22 @@ impl Service {
     ) -> Result<Vec<SessionId>, ServiceError> {
         let merges = self.store.merges_of_versions(map).await?;
         let all = with_merged(sessions, &merges);
-        let mut errors = Vec::new();
-        for (number, session) in sessions.iter().enumerate() {
-            let parts = with_merged(std::slice::from_ref(session), &merges);
-            let is_part =
-                |merge: &&MergedInVersion| parts.contains(&merge.session) && !all.contains(&merge.into);
-            let Some(merge) = merges.iter().find(is_part) else { continue };
-            let (part, into) = (&merge.session, &merge.into);
-            let (detail, cure) = match &merge.release {
-                None => (format!("session {part} is a part of session {into} by now"), String::new()),
-                Some(release) => (
-                    format!("session {part} is a part of session {into} in release {release}"),
-                    String::from(", or delete the release"),
-                ),
+        let mut faults = BTreeMap::new();
+        for MergedInVersion { release, session, into } in &merges {
+            let Some(at) = all.get(session).filter(|_| !all.contains_key(into)) else { continue };
+            let (place, cure) = match release {
+                None => (String::from("by now"), ""),
+                Some(release) => (format!("in release {release}"), ", or delete the release"),
             };
-            let fault = FieldError::new(format!("/sessions/{number}"), detail).got(session);
-            errors.push(fault.limit(format!("{into}, which is erased with what merged into it{cure}")));
+            let detail = format!("session {session} is a part of session {into} {place}");
+            let fault = FieldError::new(format!("/sessions/{at}"), detail).got(&sessions[*at]);
+            let limit = format!("{into}, which is erased with what merged into it{cure}");
+            faults.entry(*at).or_insert_with(|| fault.limit(limit));
         }
-        if errors.is_empty() { Ok(all) } else { Err(ServiceError::Invalid(errors)) }
+        if faults.is_empty() {
+            return Ok(all.into_keys().cloned().collect());
+        }
+        Err(ServiceError::Invalid(faults.into_values().collect()))
     }
 
     /// Returns an erasure, and the backups that were taken before it was done: they still hold what it erased.

@@ -41,7 +41,7 @@ impl Store {
         given: &GivenAnswer,
     ) -> Result<(), StoreError> {
         // A rewrite locks its row first: it waits for this, or this finds that it was.
-        let insert = "insert into followed_queries 
+        let insert = "insert into followed_queries
             (map_key, id, body, keyframe, candidate, map_version, verdict, reason, why)
             select m.map_key, $2, $3, $6, $7, $8, $9, $10, $11 from maps m join map_rewrites r using (map_key)
             where m.map_key = $1 and m.deleted = 0 and r.rewritten = $5

@@ -14,7 +14,7 @@ const PATTERNS_MAX: usize = 16;
 const PATTERN_BYTES_MAX: usize = 256;
 /// Bytes that all compiled patterns of a list may take.
 const COMPILED_BYTES_MAX: usize = 1 << 20;
-/// What all classes of a list may cost: a class counts 1.
+/// The most that the classes of a list may cost together: a class counts 1.
 const CLASSES_MAX: u32 = 256;
 /// A class of Unicode that is folded: one of its properties, or `\w` and its like within brackets.
 const FOLDED_CLASS: u32 = 16;
