@@ -85,8 +85,7 @@ impl From<&Settings> for MapSettings {
 impl MapSettings {
     /// Returns the settings that differ from their defaults.
     pub fn changed(settings: &Settings) -> Self {
-        let (all, defaults) = (Self::from(settings), Self::from(&Settings::default()));
-        Self(all.0.into_iter().filter(|(name, value)| defaults.0.get(name) != Some(value)).collect())
+        Self(settings.changed().map(|(name, value)| (name.to_owned(), json_of(value))).collect())
     }
 }
 

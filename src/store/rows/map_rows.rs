@@ -224,11 +224,7 @@ pub(in crate::store) async fn set_properties(
 
 /// Returns the settings that differ from their defaults, as text.
 pub(in crate::store) fn chosen(settings: &Settings) -> impl Iterator<Item = (&'static str, String)> {
-    let defaults = Settings::default();
-    Settings::TABLE.iter().filter_map(move |row| {
-        let value = settings.get(row.name).filter(|value| Some(value) != defaults.get(row.name).as_ref())?;
-        Some((row.name, setting_text(value)))
-    })
+    settings.changed().map(|(name, value)| (name, setting_text(value)))
 }
 
 /// Returns a setting as text; numbers in the shortest form that reads back to the same bits.
