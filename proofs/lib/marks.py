@@ -173,9 +173,13 @@ class Find:
             self.bytes = self.mark.encode()
         elif kind.startswith("double") and form == "little-endian":
             self.bytes = data[max(0, at - 3):at + 5]
-        told = {(owner.name, what) for owner in side.owners for what in [self.given(owner)] if what}
+
+    def tell(self):
+        """Finds out whose it is, and what it was sent as."""
+        told = {(owner.name, what) for owner in self.side.owners for what in [self.given(owner)] if what}
         self.owner = ", ".join(sorted({name for name, _ in told})) or "?"
         self.what = ", ".join(sorted({what for _, what in told})) or "?"
+        return self
 
     def given(self, owner):
         """What the mark was sent as by this robot."""
@@ -192,7 +196,7 @@ class Find:
             form = form.removesuffix(", hexadecimal")
             return self.whole(form, bytes.fromhex(digits.decode()), (at - first) // 2) if len(digits) > at - first else None
         if form == "text":
-            return re.match(rb"[a-z0-9]*", data[at:at + 40].lower()).group().decode()
+            return re.match(rb"[a-z]+[0-9]*", data[at:at + 40].lower()).group().decode()
         if form == "decimal":
             found = re.match(rb"[0-9.]+", data[at:at + 40]).group().decode().rstrip(".")
             return float(found) if "." in found else int(found)
@@ -214,9 +218,9 @@ class Hunt:
             self.stems.append((kind, form, stem.lower() if folded else stem, folded))
             if as_hex and form not in ("UTF-16", "decimal", "base64"):
                 self.stems.append((kind, f"{form}, hexadecimal", stem.hex().encode(), True))
-        self.places, self.bytes = set(), 0
+        self.places, self.bytes, self.most = set(), 0, 50
 
-    def search(self, place, data, most=50):
+    def search(self, place, data):
         """What these bytes have of the marks: of each stem the first ones."""
         self.places.add(place)
         self.bytes += len(data)
@@ -226,7 +230,7 @@ class Hunt:
         folded, found = data.lower(), []
         for kind, form, stem, is_folded in self.stems:
             where, at = folded if is_folded else data, -1
-            for _ in range(most):
+            for _ in range(self.most):
                 at = where.find(stem, at + 1)
                 if at < 0:
                     break
