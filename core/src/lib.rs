@@ -72,7 +72,7 @@ pub use domain::settings::Settings;
 pub use domain::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
 pub use recognition::anchors::ingest::ingest;
 pub use recognition::anchors::loop_closure::{close_loop, revoke_loop};
-pub use recognition::anchors::observations::{ObservationsChanged, change_observations};
+pub use recognition::anchors::observations::{ObservationsChanged, TooManyPairs, change_observations};
 pub use recognition::loops::check_loop::{check_loop, screen, verify_and_decide};
 pub use recognition::loops::features::{FeatureSet, MatchableFeatures};
 pub use recognition::loops::query::Query;

@@ -75,6 +75,7 @@ pub fn associate(
         if outcome[number] != Association::New {
             continue;
         }
+        let sight = Sight::of(&detection.map_points, detection.position_in_session, &position);
         for root in &nearby {
             let Some(object) = index.objects().get(*root) else { continue };
             if index.class_of(object) != detection.class {
@@ -84,9 +85,8 @@ pub fn associate(
             if is_retired && excludes(index, object, detection) {
                 continue;
             }
-            let sight = Sight { points: &detection.map_points, position: detection.position_in_session };
             let shape = object.shapes.get(&session);
-            if let Some((closeness, by_points)) = closeness(index, &sight, shape, &position) {
+            if let Some((closeness, by_points)) = closeness(index, &sight, shape) {
                 pairs.push(Pair { is_retired, closeness, by_points, object: *root, detection: number });
             }
         }
@@ -127,8 +127,8 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
     founded.peek()?;
     // A loop that was confirmed since says nothing of what the keyframe knew.
     let graph = index.covisibility();
-    let earlier = graph.neighbours(keyframe).filter(|other| *other < keyframe);
-    let earlier: Vec<KeyframeSeq> = earlier.filter(|other| graph.joins_by_sight(keyframe, *other)).collect();
+    let earlier: Vec<KeyframeSeq> =
+        graph.neighbours_by_sight(keyframe).filter(|other| *other < keyframe).collect();
     let mut nearby = index.objects_seen_by_any(&earlier);
     let own = index.objects_seen_by(keyframe);
     nearby.retain(|root| !own.contains(root));
@@ -138,16 +138,14 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
         let Some((anchor, root)) = index.anchor(seq).zip(index.objects().root(seq)) else { continue };
         let Some(observation) = anchor.observations.values().next() else { continue };
         let Some(mine) = index.objects().get(root) else { continue };
-        let sight = Sight { points: &observation.map_points, position: observation.position_in_session };
+        let sight = Sight::of(&observation.map_points, observation.position_in_session, position);
         for other in &nearby {
             let Some(theirs) = index.objects().get(*other) else { continue };
             if *index.class_of(theirs) != *anchor.class || theirs.state == AnchorState::Retired {
                 continue;
             }
             let shape = index.shape_before(theirs, stored.session, keyframe);
-            let Some((closeness, by_points)) = closeness(index, &sight, shape.as_ref(), &position) else {
-                continue;
-            };
+            let Some((closeness, by_points)) = closeness(index, &sight, shape.as_ref()) else { continue };
             if index.keyframes_of(theirs).is_disjoint(&index.keyframes_of(mine)) {
                 pairs.push((by_points, closeness, *other, root));
             }
@@ -162,21 +160,28 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
 /// The place of a detection.
 struct Sight<'d> {
     points: &'d [PointId],
+    /// Where those of the points are that are triangulated. Looked up once: it is held against every object nearby.
+    placed: Vec<Point3>,
     /// In the frame of its keyframe's session.
     position: Option<Point3>,
 }
 
+impl<'d> Sight<'d> {
+    fn of(
+        points: &'d [PointId],
+        position: Option<Point3>,
+        place: impl Fn(PointId) -> Option<Point3>,
+    ) -> Self {
+        Self { points, placed: points.iter().filter_map(|id| place(*id)).collect(), position }
+    }
+}
+
 /// Returns how well a detection fits an object of this shape in its session, if it fits at all; and whether map points say
 /// so.
-fn closeness(
-    index: &MapIndex,
-    sight: &Sight<'_>,
-    shape: Option<&Shape>,
-    position: &impl Fn(PointId) -> Option<Point3>,
-) -> Option<(f64, bool)> {
+fn closeness(index: &MapIndex, sight: &Sight<'_>, shape: Option<&Shape>) -> Option<(f64, bool)> {
     let settings = &index.properties().settings;
     let shape = shape?;
-    if let Some(share) = covered_share(sight.points, shape, position) {
+    if let Some(share) = covered_share(sight, shape) {
         return (share > 0.0 && share >= settings.association_min_point_share).then_some((share, true));
     }
     let distance_m = (sight.position? - shape.aabb?.centre()).norm();
@@ -184,12 +189,8 @@ fn closeness(
 }
 
 /// Returns the share of a detection's map points that an object's box covers; `None` if map points cannot tell.
-fn covered_share(
-    points: &[PointId],
-    shape: &Shape,
-    position: &impl Fn(PointId) -> Option<Point3>,
-) -> Option<f64> {
-    let placed: Vec<Point3> = points.iter().filter_map(|id| position(*id)).collect();
+fn covered_share(sight: &Sight<'_>, shape: &Shape) -> Option<f64> {
+    let Sight { points, placed, .. } = sight;
     if !placed.is_empty() {
         let aabb = shape.aabb?;
         let covered = placed.iter().filter(|point| aabb.contains(point)).count();

@@ -11,8 +11,11 @@
 //!   anchors that one keyframe saw both stay two.
 //! - A detection that was ignored on arrival stays so, and one that loses its last map point keeps its anchor.
 
+mod newly_covisible;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use self::newly_covisible::CovisibleBefore;
 use super::association::late_sight;
 use super::ingest::{merge_all, names, tell_described, tell_revisits};
 use crate::domain::change::{
@@ -23,6 +26,10 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::recognition::map::culling::is_orphan;
 use crate::recognition::map::index::{Anchor, MapIndex};
 use crate::recognition::map::recorder::{Decided, Recorder};
+
+/// Pairs of keyframes, summed over the map points whose observers one request changes: what it costs to find who is covisible
+/// afterwards. A point that ten thousand keyframes see has as many. In this crate's own tests a small map has too many.
+pub const CHANGED_PAIRS_MAX: u64 = if cfg!(test) { 50_000 } else { 100_000_000 };
 
 /// Bytes of a number on disk, as a map's quota counts them.
 const NUMBER: usize = size_of::<f64>();
@@ -43,8 +50,15 @@ pub struct ObservationsChanged {
 /// The map points that go, each with the one that it becomes, if any.
 pub(super) type Becomes = HashMap<PointId, Option<PointId>>;
 
-/// Applies what the client's map did to its points and edges.
-pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> ObservationsChanged {
+/// A change concerns more pairs of keyframes than one request may.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyPairs(pub u64);
+
+/// Applies what the client's map did to its points and edges, or nothing if that is too much for one request.
+pub fn change_observations(
+    index: &mut MapIndex,
+    update: ObservationUpdate,
+) -> Result<ObservationsChanged, TooManyPairs> {
     let becomes = becomes(&update);
     let mut record = Recorder::new(index);
     let index = record.index();
@@ -52,6 +66,11 @@ pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> O
         .into_iter()
         .filter_map(|keyframe| points_of_keyframe(index, keyframe, listed(&update, keyframe), &becomes))
         .collect();
+    let before = CovisibleBefore::of(index, update.session, &keyframes);
+    let pairs = before.pairs(&keyframes);
+    if pairs > CHANGED_PAIRS_MAX {
+        return Err(TooManyPairs(pairs));
+    }
     let detections = points_of_detections(index, update.session, &becomes);
     let placed = placed(index, &update, &becomes);
     let has_position = |id: &PointId| index.points().position(update.session, *id).is_some();
@@ -59,10 +78,6 @@ pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> O
     forgotten.sort_unstable();
     let gone = gone(index, &update, &becomes);
     let lost = lost(index, &keyframes, &becomes);
-    let neighbours_before: Vec<(KeyframeSeq, BTreeSet<KeyframeSeq>)> = keyframes
-        .iter()
-        .map(|of| (of.keyframe, index.covisibility().neighbours(of.keyframe).collect()))
-        .collect();
     let session = update.session;
     let mut seen_anew: BTreeSet<KeyframeSeq> = detections.iter().map(|(_, keyframe, ..)| *keyframe).collect();
     for (id, _) in &placed {
@@ -92,9 +107,10 @@ pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> O
     if !orphans.is_empty() {
         record.apply(vec![Change::PointsForgotten(session, orphans)]);
     }
-    let looked_at = to_look_at(record.index(), &neighbours_before, &seen_anew);
+    let mut looked_at = with_younger_neighbours(record.index(), seen_anew);
+    before.add_younger(record.index(), &mut looked_at);
     let merged = associate_anew(&mut record, looked_at);
-    ObservationsChanged { keyframes: changed, map_points: gone, merged, decided: record.finish() }
+    Ok(ObservationsChanged { keyframes: changed, map_points: gone, merged, decided: record.finish() })
 }
 
 /// Returns the keyframes that observe a point that goes, or that the client speaks of, ascending.
@@ -259,20 +275,22 @@ fn lost(index: &MapIndex, keyframes: &[PointsOfKeyframe], becomes: &Becomes) -> 
     keyframes.iter().flat_map(of_keyframe).collect()
 }
 
-/// Returns the keyframes of which a detection may be one more sight of something: the younger of each pair that is covisible
-/// from now on, or of which one has a detection with other points.
-fn to_look_at(
-    index: &MapIndex,
-    before: &[(KeyframeSeq, BTreeSet<KeyframeSeq>)],
-    seen_anew: &BTreeSet<KeyframeSeq>,
-) -> BTreeSet<KeyframeSeq> {
+/// Returns these keyframes, of which a detection has other points, and all younger ones that are covisible with one of them: of
+/// each a detection may be one more sight of something.
+fn with_younger_neighbours(index: &MapIndex, seen_anew: BTreeSet<KeyframeSeq>) -> BTreeSet<KeyframeSeq> {
+    let graph = index.covisibility();
+    let mut open: BTreeSet<KeyframeSeq> = graph.around(&seen_anew).into_iter().collect();
+    open.retain(|keyframe| !seen_anew.contains(keyframe));
     let mut found = seen_anew.clone();
     for keyframe in seen_anew {
-        found.extend(index.covisibility().neighbours(*keyframe).filter(|other| other > keyframe));
-    }
-    for (keyframe, neighbours) in before {
-        let joined = index.covisibility().neighbours(*keyframe).filter(|other| !neighbours.contains(other));
-        found.extend(joined.map(|other| other.max(*keyframe)));
+        // Where many see one place, the first of them brings nearly all.
+        if open.last().is_none_or(|last| *last < keyframe) {
+            break;
+        }
+        for other in graph.neighbours(keyframe).filter(|other| *other > keyframe) {
+            open.remove(&other);
+            found.insert(other);
+        }
     }
     found
 }

@@ -104,6 +104,14 @@ impl CovisibilityLists {
         }
     }
 
+    /// Tells a keyframe that lists its neighbours how many points it shares with another one now; `None` if too few.
+    pub fn share(&mut self, keyframe: KeyframeSeq, other: KeyframeSeq, points: Option<u32>) {
+        match points {
+            Some(points) => self.meet(keyframe, (other, points)),
+            None => self.part(keyframe, other),
+        }
+    }
+
     fn meet(&mut self, keyframe: KeyframeSeq, neighbour: Neighbour) {
         let max = self.listed_max;
         let sharing = self.sharing.get_or_insert_with(keyframe.index(), || Sharing::Listed(Vec::new()));
@@ -143,13 +151,18 @@ impl CovisibilityLists {
             self.entries -= list.len() as u64;
         }
         for (other, _) in neighbours {
-            let Some(Sharing::Listed(list)) = self.sharing.get_mut(other.index()) else { continue };
-            let before = list.len() as u64;
-            list.retain(|(back, _)| *back != keyframe);
-            self.entries -= before - list.len() as u64;
-            if list.is_empty() {
-                self.sharing.remove(other.index());
-            }
+            self.part(*other, keyframe);
+        }
+    }
+
+    fn part(&mut self, keyframe: KeyframeSeq, other: KeyframeSeq) {
+        let Some(Sharing::Listed(list)) = self.sharing.get_mut(keyframe.index()) else { return };
+        if let Ok(at) = list.binary_search_by_key(&other, |(listed, _)| *listed) {
+            list.remove(at);
+            self.entries -= 1;
+        }
+        if list.is_empty() {
+            self.sharing.remove(keyframe.index());
         }
     }
 

@@ -45,6 +45,19 @@ fn graph(index: &MapIndex) -> Graph {
     index.keyframes().map(|k| (k.id.clone(), (k.observes.to_vec(), of(k.seq)))).collect()
 }
 
+/// Returns the younger keyframe of each pair that is covisible in the second graph and not in the first.
+fn younger_of_new_pairs(before: &Graph, now: &Graph) -> BTreeSet<KeyframeSeq> {
+    let pairs = |graph: &Graph| -> BTreeSet<(KeyframeId, KeyframeId)> {
+        let of = |(one, (_, others)): (&KeyframeId, &(_, Vec<(KeyframeId, u32)>))| {
+            others.iter().map(|(other, _)| (one.clone(), other.clone())).collect::<Vec<_>>()
+        };
+        graph.iter().flat_map(of).collect()
+    };
+    let number = |id: &KeyframeId| -> u32 { id.as_str().trim_start_matches("kf-").parse().unwrap() };
+    let (before, now) = (pairs(before), pairs(now));
+    now.difference(&before).map(|(a, b)| KeyframeSeq(number(a).max(number(b)))).collect()
+}
+
 /// An object as a client reads it.
 type Shown = (BTreeSet<(KeyframeId, u16)>, Option<String>, AnchorState, BTreeSet<PointId>, Option<Aabb>);
 
@@ -160,9 +173,17 @@ fn take(robot: &mut Robot, index: &mut MapIndex, step: &Step) {
         Step::Observe(..) | Step::Declare(..) => return,
     };
     robot.sweep();
-    change_observations(index, update.clone());
+    let changed: Vec<PointsOfKeyframe> = keyframes_of(index, &update)
+        .into_iter()
+        .filter_map(|seq| points_of_keyframe(index, seq, listed(&update, seq), &becomes(&update)))
+        .collect();
+    let (before, graph_before) = (CovisibleBefore::of(index, SESSION, &changed), graph(index));
+    change_observations(index, update.clone()).unwrap();
+    let mut found = BTreeSet::new();
+    before.add_younger(index, &mut found);
+    assert_eq!(found, younger_of_new_pairs(&graph_before, &graph(index)));
     let before = index.clone();
-    let again = change_observations(index, update);
+    let again = change_observations(index, update).unwrap();
     assert_eq!((again.keyframes, again.map_points, again.merged), (0, 0, 0), "{step:?}, said again");
     assert!(*index == before, "{step:?}, said again, changes something");
 }
@@ -262,7 +283,7 @@ proptest! {
             for some in points.chunks(at_a_time) {
                 let replaced = some.iter().map(|n| (all(*n) + ALIAS, all(*n))).collect();
                 is_fused.extend(some.iter().map(|n| all(*n)));
-                change_observations(index, ObservationUpdate { replaced, ..nothing() });
+                change_observations(index, ObservationUpdate { replaced, ..nothing() }).unwrap();
             }
         };
         for (number, visit) in visits.iter().enumerate() {
@@ -280,14 +301,31 @@ proptest! {
 }
 
 #[test]
+fn more_pairs_than_one_request_may_change_are_refused_and_nothing_changes() {
+    let mut index = empty_map();
+    for number in 0..40 {
+        ingest(&mut index, &keyframe(number, (0..40).collect(), at_first));
+    }
+    let before = index.clone();
+    let fused = |points: PointId| (0..points).map(|id| (id, id + 100)).collect();
+    // Each of the 40 observers of a point, and of the one that it becomes, with 40 others.
+    let refused = change_observations(&mut index, ObservationUpdate { replaced: fused(40), ..nothing() });
+    assert_eq!(refused.unwrap_err(), TooManyPairs(2 * 40 * 40 * 40));
+    assert_eq!(index, before);
+    change_observations(&mut index, ObservationUpdate { replaced: fused(10), ..nothing() }).unwrap();
+}
+
+#[test]
 fn a_feature_observes_the_point_that_its_own_became() {
     let mut index = empty_map();
     ingest(&mut index, &keyframe(0, (0..6).collect(), at_first));
-    change_observations(&mut index, ObservationUpdate { replaced: vec![(1, 9), (2, 1_000)], ..nothing() });
+    change_observations(&mut index, ObservationUpdate { replaced: vec![(1, 9), (2, 1_000)], ..nothing() })
+        .unwrap();
     change_observations(
         &mut index,
         ObservationUpdate { replaced: vec![(9, 8)], removed: vec![3], ..nothing() },
-    );
+    )
+    .unwrap();
     let points =
         crate::recognition::loops::points_now::PointsNow::of(index.keyframe(KeyframeSeq(0)).unwrap())
             .unwrap();
@@ -301,7 +339,7 @@ fn a_chain_of_fused_points_ends_at_its_last_and_a_culled_end_takes_all() {
     let mut index = empty_map();
     ingest(&mut index, &keyframe(0, (0..6).collect(), at_first));
     let update = ObservationUpdate { replaced: vec![(0, 1), (1, 2), (3, 4)], removed: vec![4], ..nothing() };
-    let changed = change_observations(&mut index, update);
+    let changed = change_observations(&mut index, update).unwrap();
     assert_eq!((changed.keyframes, changed.map_points), (1, 4));
     assert_eq!(index.keyframe(KeyframeSeq(0)).unwrap().observes.to_vec(), [2, 5]);
 }
@@ -317,7 +355,7 @@ fn a_sign_is_one_once_its_keyframes_are_covisible_though_its_own_points_stay() {
     }
     assert_eq!(index.objects().len(), 2, "two shared points are not enough");
     let changed =
-        change_observations(&mut index, ObservationUpdate { replaced: vec![(100, 0)], ..nothing() });
+        change_observations(&mut index, ObservationUpdate { replaced: vec![(100, 0)], ..nothing() }).unwrap();
     assert_eq!((changed.merged, index.objects().len()), (1, 1));
     let told = &changed.decided.events;
     assert_eq!(told.iter().map(|event| event.kind).collect::<Vec<_>>(), [EventKind::AnchorsMerged]);
@@ -343,6 +381,6 @@ fn two_signs_that_one_keyframe_saw_stay_two() {
     ingest(&mut index, &see(2, &[&[1, 2], &[11, 12]], both));
     assert_eq!(index.objects().len(), 2);
     let replaced = (10..16).map(|id| (id, id - 10)).collect();
-    let changed = change_observations(&mut index, ObservationUpdate { replaced, ..nothing() });
+    let changed = change_observations(&mut index, ObservationUpdate { replaced, ..nothing() }).unwrap();
     assert_eq!((changed.merged, index.objects().len()), (0, 2));
 }

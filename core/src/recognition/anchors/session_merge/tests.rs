@@ -214,7 +214,7 @@ fn a_culled_point_does_not_come_back_under_the_new_number_of_another() {
         removed: vec![5],
         keyframes: Vec::<KeyframeUpdate>::new(),
     };
-    change_observations(&mut index, culled);
+    change_observations(&mut index, culled).unwrap();
     let session = index.session(&session(1)).unwrap();
     merge_sessions(&mut index, session, &request(Sim3::identity(), Renumbering::Offset(4)));
     let keyframe = index.keyframe(KeyframeSeq(0)).unwrap();

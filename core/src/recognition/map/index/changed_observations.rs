@@ -30,7 +30,7 @@ impl MapIndex {
 
     pub(super) fn set_points_of_keyframe(&mut self, now: &PointsOfKeyframe) {
         let seq = now.keyframe;
-        let before = self.covisibility().sharing(seq).into_owned();
+        let listed = self.lists.listed(seq).map(<[_]>::to_vec);
         self.count_unlinked(seq, false);
         let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { return };
         self.tally.remove_keyframe(keyframe);
@@ -45,16 +45,34 @@ impl MapIndex {
         // Only what differs: a point's observers are written anew each time.
         let (old, new): (BTreeSet<PointId>, BTreeSet<PointId>) =
             (observed.iter().collect(), now.observes.iter().collect());
+        let parted = self.points.sharing(session, old.difference(&new).copied());
         self.points.forget(session, old.difference(&new).copied(), seq);
         self.points.observe(session, new.difference(&old).copied(), seq);
-        let sharing = self.covisibility().counted(seq);
-        self.lists.relist(seq, &before, &sharing);
+        if let Some(before) = listed {
+            let sharing = self.covisibility().counted(seq);
+            self.lists.relist(seq, &before, &sharing);
+        } else {
+            let met = self.points.sharing(session, new.difference(&old).copied());
+            self.share_with_listing(seq, parted.iter().chain(&met).map(|(other, _)| *other));
+        }
         self.retrack(seq);
         self.count_unlinked(seq, true);
         for (other, points) in now.declared.iter().flatten() {
             let theirs = self.keyframe(*other).into_iter().flat_map(Keyframe::declared);
             let theirs = theirs.filter(|(back, _)| *back == seq).map(|(_, points)| *points).max();
             self.lists.redeclare(seq, *other, theirs.unwrap_or(0).max(*points));
+        }
+    }
+
+    /// Tells those of some keyframes that list their neighbours how many points they share with a crowded one. It lists nothing
+    /// itself, and to count all its neighbours costs as much as they observe.
+    fn share_with_listing(&mut self, crowded: KeyframeSeq, others: impl Iterator<Item = KeyframeSeq>) {
+        let enough = self.covisibility().enough();
+        for other in others.filter(|other| *other != crowded).collect::<BTreeSet<KeyframeSeq>>() {
+            if self.lists.listed(other).is_some() {
+                let points = self.covisibility().common_points(crowded, other, u32::MAX);
+                self.lists.share(other, crowded, (points >= enough).then_some(points));
+            }
         }
     }
 

@@ -59,6 +59,16 @@ impl<'a> Covisibility<'a> {
         self.joined(keyframe).filter(|joined| joined.points > 0).map(|joined| joined.other)
     }
 
+    /// Returns the neighbours of a keyframe along the drive (M62), ascending.
+    pub fn along_drive(self, keyframe: KeyframeSeq) -> Vec<KeyframeSeq> {
+        self.index.along_drive(keyframe)
+    }
+
+    /// Returns the edge between two keyframes that is a fact, if there is one.
+    pub fn edge(self, a: KeyframeSeq, b: KeyframeSeq) -> Option<Edge> {
+        self.index.lists.edge(a, b)
+    }
+
     /// Whether the two are covisible.
     pub fn joins(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
         self.index.lists.edge(a, b).is_some()
@@ -150,22 +160,35 @@ impl<'a> Covisibility<'a> {
         match (self.index.lists.listed(a), self.index.lists.listed(b)) {
             (Some(list), _) => is_in(list, b),
             (None, Some(list)) => is_in(list, a),
-            (None, None) => a != b && self.common_points(a, b) >= self.enough(),
+            (None, None) => a != b && self.common_points(a, b, self.enough()) == self.enough(),
         }
     }
 
-    /// Counts the map points that two keyframes of one session have in common.
-    fn common_points(self, a: KeyframeSeq, b: KeyframeSeq) -> u32 {
-        let (Some(a), Some(b)) = (self.index.keyframe(a), self.index.keyframe(b)) else { return 0 };
+    /// Counts the map points that two keyframes of one session have in common, and stops at this many.
+    pub fn common_points(self, a: KeyframeSeq, b: KeyframeSeq, most: u32) -> u32 {
+        let Some((a, b)) = self.index.keyframe(a).zip(self.index.keyframe(b)) else { return 0 };
         if a.session != b.session {
             return 0;
         }
-        let of_a: BTreeSet<_> = a.observes.iter().collect();
-        let of_b: BTreeSet<_> = b.observes.iter().collect();
-        of_a.intersection(&of_b).count() as u32
+        let (mut of_a, mut of_b) = (a.observes.iter().peekable(), b.observes.iter().peekable());
+        let mut common = 0;
+        while common < most
+            && let Some((in_a, in_b)) = of_a.peek().zip(of_b.peek())
+        {
+            let order = in_a.cmp(in_b);
+            common += u32::from(order.is_eq());
+            if order.is_le() {
+                of_a.next();
+            }
+            if order.is_ge() {
+                of_b.next();
+            }
+        }
+        common
     }
 
-    fn enough(self) -> u32 {
+    /// Returns the number of common map points that makes two keyframes covisible.
+    pub fn enough(self) -> u32 {
         self.index.properties.settings.covisibility_min_shared_points
     }
 
