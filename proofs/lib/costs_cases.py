@@ -71,7 +71,7 @@ def locate_several(path, body, turn):
 def of_shape(shape, operation, under, request, also="", **more):
     """A case that sends keyframes of a shape; the cases of a shape share its maps."""
     def run(ground, body, many, most):
-        path = ground.once((shape.name, most, many), lambda: ground.map(shape.lines(most, many or 0)))
+        path = ground.once((shape.name, most, many), lambda: ground.map(shape.lines(most, many or 0), {"settings": shape.settings or {}}))
         for turn in ground.numbers:
             yield request(path, keyframe((many or 0) + 10, shape.make(body), shape.step), turn)
     lists = tuple(f"{under}{name}" for name in shape.lists)
@@ -107,7 +107,7 @@ def of_neighbours(operation, under, request, **more):
         path = neighbours(ground, max(many, most))
         for turn in ground.numbers:
             yield request(path, keyframe(2 * many + turn, words(50) | covisible(body), APART_M), turn)
-    CASES.append(Case(operation, "neighbours of each other", (f"{under}covisible",), (200, 1_000), (400, 2_000), run, **more))
+    CASES.append(Case(operation, "neighbours of each other", (f"{under}covisible",), (200, 800), (400, 1_600), run, **more))
 
 
 of_neighbours("query_loop", "inline.", query)
@@ -140,7 +140,7 @@ def lines_of_neighbours_in_a_row(ground, body, many, most):
 
 # "Where am I?"
 
-@case("locate", "keyframes", body=(16, 16), map=(200, 1_600))
+@case("locate", "keyframes", body=(16, 16), map=(200, 400))
 def keyframes_with_signs_that_share_words(ground, body, many, most):
     shape = next(each for each in SHAPES if each.name == "signs that share all words but one")
     path = ground.once((shape.name, 20, many), lambda: ground.map(shape.lines(20, many)))
@@ -188,7 +188,7 @@ def seen_by_all(ground, points, keyframes, content=observed):
     return ground.map(keyframe(n, content(points), id=f"kf-{n}") for n in range(keyframes))
 
 
-@case("change_observations", "replaced", body=(400, 500), map=(100, 1_000))
+@case("change_observations", "replaced", body=(400, 500), map=(160, 600))
 def points_fused_that_every_keyframe_sees(ground, body, many, most):
     while True:
         path = seen_by_all(ground, most, many)
@@ -216,7 +216,7 @@ def points_fused_that_many_anchors_have(ground, body, many, most):
         yield ask("POST", f"{path}/observations", {"replaced": [[n, 100_000 + n] for n in range(body)]})
 
 
-@case("change_observations", "removed", body=(400, 500), map=(100, 1_000))
+@case("change_observations", "removed", body=(400, 500), map=(160, 600))
 def points_culled_that_every_keyframe_sees(ground, body, many, most):
     while True:
         path = seen_by_all(ground, most, many)
@@ -230,7 +230,7 @@ def points_culled_that_many_anchors_have(ground, body, many, most):
         yield ask("POST", f"{path}/observations", {"removed": list(range(body))})
 
 
-@case("change_observations", "keyframes", body=(100, 1_000), map=(100, 1_000))
+@case("change_observations", "keyframes", body=(100, 800), map=(100, 800))
 def keyframes_that_all_see_other_points(ground, body, many, most):
     path = seen_by_all(ground, 200, max(many, most))
     for turn in itertools.count(1):
@@ -240,7 +240,7 @@ def keyframes_that_all_see_other_points(ground, body, many, most):
             path = seen_by_all(ground, 200, max(many, most))
 
 
-@case("change_observations", "keyframes[].observes_i64", body=(1_000, 8_000), map=(200, 1_600))
+@case("change_observations", "keyframes[].observes_i64", body=(1_000, 4_000), map=(200, 600))
 def a_keyframe_that_sees_what_every_keyframe_sees(ground, body, many, most):
     path = seen_by_all(ground, most, many)
     for turn in itertools.count(1):
@@ -286,21 +286,21 @@ def poses_of_keyframes_that_see_the_same_signs(ground, body, many, most):
         yield ask("POST", f"{path}/poses", {"keyframes": {"ids": [f"kf-{n}" for n in range(body)], "poses": [pose(n * 0.01, turn) for n in range(body)]}})
 
 
-@case("correct_poses", "map_points.ids_i64", "map_points.positions_f64", body=(1_000, 8_000), map=(200, 1_600))
+@case("correct_poses", "map_points.ids_i64", "map_points.positions_f64", body=(1_000, 4_000), map=(200, 600))
 def places_of_points_that_every_keyframe_sees(ground, body, many, most):
     path = seen_by_all(ground, most, many, lambda n: observed(n) | placed(n))
     for turn in itertools.count(1):
         yield ask("POST", f"{path}/poses", {"map_points": {"ids_i64": packed(range(body), "q"), "positions_f64": packed([float(turn)] * (3 * body), "d")}})
 
 
-@case("correct_poses", "map_points.ids", "map_points.positions", body=(400, 2_000), map=(100, 800))
+@case("correct_poses", "map_points.ids", "map_points.positions", body=(400, 2_000), map=(100, 400))
 def places_of_points_that_many_anchors_have(ground, body, many, most):
     path = ground.map(keyframe(i, a_class_of_its_own(most, i), id=f"kf-{i}") for i in range(many))
     for turn in itertools.count(1):
         yield ask("POST", f"{path}/poses", {"map_points": {"ids": list(range(body)), "positions": [[turn, 0, 0]] * body}})
 
 
-@case("correct_poses", "map_points.ids", "map_points.positions", body=(100_000, 100_000))
+@case("correct_poses", "map_points.ids", "map_points.positions", body=(40_000, 100_000))
 def places_as_lists(ground, body, many, most):
     path = seen_by_all(ground, 100_000, 1, placed)
     for turn in itertools.count(1):
@@ -424,19 +424,19 @@ def the_least_of_shared_points_where_every_keyframe_sees_all(ground, body, many,
 
 # Erasures write the file of the database anew.
 
-@case("erase", "keyframes", body=(400, 10_000), map=(400, 10_000), alone=True)
+@case("erase", "keyframes", body=(200, 10_000), map=(200, 10_000), alone=True)
 def keyframes_by_id(ground, body, many, most):
     path = ground.map(keyframe(n, words(50, n) | observed(50, n), id=f"kf-{n}") for n in range(max(many, most)))
     yield ask("POST", f"{path}/erase", {"keyframes": [f"kf-{n}" for n in range(body)]}, job=True)
 
 
-@case("erase", "sessions", body=(200, 1_000), map=(200, 1_000), alone=True)
+@case("erase", "sessions", body=(100, 1_000), map=(100, 1_000), alone=True)
 def sessions_of_a_keyframe_each(ground, body, many, most):
     path = ground.map(keyframe(n, words(50, n) | {"session": f"s-{n}"}, id=f"kf-{n}") for n in range(max(many, most)))
     yield ask("POST", f"{path}/erase", {"sessions": [f"s-{n}" for n in range(body)]}, job=True)
 
 
-@case("erase", "sessions", map=(100, 400), alone=True)
+@case("erase", "sessions", map=(60, 300), alone=True)
 def a_session_of_many_that_merged_one_into_the_next(ground, body, many, most):
     path = ground.map(keyframe(n, observed(50, n) | {"session": f"s-{n}"}, id=f"kf-{n}") for n in range(many))
     for n in range(many - 1):

@@ -25,6 +25,7 @@ SEEN = "changes each keyframe that sees the points"
 PLACED = "moves the box of each anchor that has the points"
 MOVED = "moves each keyframe of the session"
 JOINED = "computes the frame of each session anew"
+POSTED = "adds up each word of each keyframe that has it"
 LOOKED = "looks at each entry until the page is full"
 
 # By operation and shape, or by operation alone: how it may grow with the map.
@@ -53,6 +54,11 @@ MAP = {
     ("change_observations", "points fused that many anchors have"): Allowed(1, 4, PLACED),
     ("change_observations", "points culled that many anchors have"): Allowed(1, 4, PLACED),
     ("correct_poses", "places of points that many anchors have"): Allowed(1, 4, PLACED),
+    ("query_loop", "words that every keyframe has"): Allowed(1, 1, POSTED),
+    ("query_loop", "words that every keyframe has, of another session"): Allowed(1, 1, POSTED),
+    ("put_keyframe", "words that every keyframe has, with its query"): Allowed(1, 1, POSTED),
+    ("locate", "words that every keyframe has"): Allowed(1, 1, POSTED),
+    ("locate", "words that every keyframe has, four times"): Allowed(1, 4, POSTED),
     ("query_loop", "as many candidates as there may be"): Allowed(1, 10, "weighs as many candidates as the map's settings allow"),
 }
 # The same for the body.

@@ -16,9 +16,9 @@ from server import expect, fail, until
 # The server is at rest once, in so many looks one after another, it used less than this share of a core and no thread of it
 # was running, waiting for a core or for the disk.
 REST_SHARE, REST_LOOKS, LOOK_S = 0.06, 2, 0.012
-REST_MOST_S = 600
-# A request is repeated, and the least counts, for noise only adds. One that cost more than this is not repeated.
-REPEATED, LONG_S = 3, 0.5
+REST_MOST_S = 300
+# An answer that takes longer is a fault.
+ANSWER_MOST_S = 120
 # How long a stream of events must say nothing until it is closed.
 STREAM_ENDS_S = 0.3
 LINES_AT_ONCE = 2_000
@@ -66,7 +66,7 @@ class Ground:
     """A server, on which cases build their maps and which is asked what they ask."""
 
     def __init__(self, server):
-        self.server, self.client = server, server.client(600)
+        self.server, self.client = server, server.client(ANSWER_MOST_S)
         # The clock of another process's CPU, which counts its threads that have ended, too.
         self.clock = (~server.process.pid << 3) | 2
         self.numbers, self.kept, self.headers, self.salt = itertools.count(), {}, (), 0
@@ -111,16 +111,6 @@ class Ground:
             until(lambda: self.do("GET", path)["state"] == "done", REST_MOST_S, f"the end of {path}")
         used = self.rest() - before
         return max(0.0, used - self.idle * (time.monotonic() - began))
-
-    def least(self, requests, enough_s):
-        """The least cost of some requests that are alike; one that costs no more than `enough_s` is not repeated."""
-        costs = []
-        with contextlib.closing(requests):
-            for request in itertools.islice(requests, REPEATED):
-                costs.append(self.cost(request))
-                if not enough_s < costs[-1] < LONG_S:
-                    break
-        return min(costs)
 
     def do(self, method, path, body=None, **more):
         """Sends what is not measured; the answer's body."""

@@ -28,6 +28,8 @@ class Shape(NamedTuple):
     # What the map's keyframes have, if it is not the same: of the largest list, and their number.
     mapped: Callable | None = None
     step: float = TOGETHER_M
+    # What the map's settings differ in.
+    settings: dict | None = None
 
     def lines(self, most, many):
         same = None if self.mapped else self.make(most)
@@ -132,28 +134,30 @@ def descriptor(n, i=0):
     return {"global_descriptor": {"model": "m", "encoding": "int8", "data": encoded(RANDOM[i:i + n])}}
 
 
+# Geometry looks at keyframes without signs only where a map says so.
+GEOMETRY = {"method": "paper", "without_anchors": "geometry", "geometry_models": "auto"}
 WORDS, PLACES, FEATURES = ("bow.words_u32", "bow.weights_f64"), ("map_points.ids_i64", "map_points.positions_f64"), ("features.descriptors", "features.keypoints_f32")
 SHAPES = [
     Shape("words that every keyframe has", WORDS, words, (2_000, 16_000), (400, 2_000), step=APART_M),
     Shape("words as lists", ("bow.words", "bow.weights"), lambda n: {"bow": {"words": list(range(n)), "weights": [1.0] * n}}, (40_000, 65_535), None),
-    Shape("points that every keyframe sees", ("observes_i64",), observed, (1_000, 8_000), (200, 1_600)),
+    Shape("points that every keyframe sees", ("observes_i64",), observed, (1_000, 4_000), (200, 600)),
     Shape("points as lists", ("observes",), lambda n: {"observes": list(range(n))}, (100_000, 100_000), None),
-    Shape("places of points that every keyframe sees", PLACES, placed, (1_000, 8_000), (200, 1_600), lambda n, _: observed(n)),
+    Shape("places of points that every keyframe sees", PLACES, placed, (1_000, 4_000), (200, 600), lambda n, _: observed(n)),
     Shape("places as lists", ("map_points.ids", "map_points.positions"),
-          lambda n: {"map_points": {"ids": list(range(n)), "positions": [[0.5, 1.0, 2.0]] * n}}, (100_000, 100_000), None),
-    Shape("places of points that many anchors have", PLACES, placed, (400, 2_000), (100, 800), a_class_of_its_own),
-    Shape("features all alike", FEATURES, alike, (1_000, 16_000), (100, 200), step=APART_M),
-    Shape("features all different", FEATURES, spread, (1_000, 16_000), (100, 200), step=APART_M),
+          lambda n: {"map_points": {"ids": list(range(n)), "positions": [[0.5, 1.0, 2.0]] * n}}, (40_000, 100_000), None),
+    Shape("places of points that many anchors have", PLACES, placed, (400, 2_000), (100, 400), a_class_of_its_own),
+    Shape("features all alike", FEATURES, alike, (400, 8_000), (100, 200), step=APART_M, settings=GEOMETRY),
+    Shape("features all different", FEATURES, spread, (400, 8_000), (100, 200), step=APART_M, settings=GEOMETRY),
     Shape("features as lists", ("features.keypoints", "features.map_points"), features_as_lists, (20_000, 20_000), None),
-    Shape("features of points that every keyframe sees", ("features.map_points_i64",), lambda n: of_points(n) | placed(n), (1_000, 8_000), (100, 400)),
-    Shape("signs that all say EXIT in one place", ("detections",), lambda n: signs(n, lambda i: "EXIT"), (100, 500), (40, 400)),
-    Shape("signs that all say EXIT apart", ("detections",), lambda n: signs(n, lambda i: "EXIT", in_row), (100, 500), (40, 400)),
-    Shape("signs of another number each in one place", ("detections",), lambda n: signs(n, lambda i: f"Room {i}"), (100, 500), (40, 400)),
-    Shape("signs that share all words but one", ("detections",), lambda n: signs(n, sharing, in_row), (200, 500), (100, 1_600), each_of_its_own(sharing)),
-    Shape("signs of the same words in another order", ("detections",), lambda n: signs(n, shuffled, in_row), (200, 500), (100, 1_600), each_of_its_own(shuffled)),
-    Shape("signs that cover the same points", ("detections",), of_same_points, (60, 500), (8, 16)),
+    Shape("features of points that every keyframe sees", ("features.map_points_i64",), lambda n: of_points(n) | placed(n), (1_000, 4_000), (100, 300)),
+    Shape("signs that all say EXIT in one place", ("detections",), lambda n: signs(n, lambda i: "EXIT"), (100, 400), (40, 160)),
+    Shape("signs that all say EXIT apart", ("detections",), lambda n: signs(n, lambda i: "EXIT", in_row), (100, 400), (40, 160)),
+    Shape("signs of another number each in one place", ("detections",), lambda n: signs(n, lambda i: f"Room {i}"), (100, 400), (40, 160)),
+    Shape("signs that share all words but one", ("detections",), lambda n: signs(n, sharing, in_row), (200, 500), (100, 400), each_of_its_own(sharing)),
+    Shape("signs of the same words in another order", ("detections",), lambda n: signs(n, shuffled, in_row), (200, 500), (100, 400), each_of_its_own(shuffled)),
+    Shape("signs that cover the same points", ("detections",), of_same_points, (60, 240), (8, 16)),
     Shape("a sign on points that every keyframe sees", ("detections[].map_points",),
-          lambda n: placed(n) | {"detections": [detection("EXIT", map_points=list(range(n)))]}, (1_000, 8_000), (100, 800)),
+          lambda n: placed(n) | {"detections": [detection("EXIT", map_points=list(range(n)))]}, (1_000, 4_000), (100, 400)),
     Shape("descriptors of the whole image", ("global_descriptor.data",), descriptor, (1_056, 1_056), (400, 8_000), descriptor, APART_M),
     Shape("a picture", ("detections[].crop",), picture, (4_000_000, 4_000_000), None),
     Shape("a sign on many points", ("detections[].map_points",),
