@@ -7,11 +7,12 @@ use tokio::task::spawn_blocking;
 use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
-use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
+use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
@@ -86,7 +87,8 @@ impl Service {
             .await?;
         let verify = move || {
             let terms = Terms { settings: &settings, metric };
-            let asked = PlacedQuery::new((&probe.snapshot, &probe.features));
+            let comparisons = Comparisons::default();
+            let asked = PlacedQuery::new((&probe.snapshot, &probe.features), &comparisons);
             let outcome = verify_views(
                 &terms,
                 &asked,
@@ -97,6 +99,7 @@ impl Service {
             let cameras = (&probe.snapshot.camera, &other.snapshot.camera);
             outcome.map_or(0, |outcome| alike_cells(&outcome.verification, cameras.0, cameras.1))
         };
+        let _turn = self.reads.enter(Tenant::current(None)).await?;
         spawn_blocking(in_part("verify", verify)).await.map_err(ServiceError::panicked)
     }
 

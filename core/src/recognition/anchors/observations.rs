@@ -28,8 +28,8 @@ use crate::recognition::map::index::{Anchor, MapIndex};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
 /// Pairs of keyframes, summed over the map points whose observers one request changes: what it costs to find who is covisible
-/// afterwards. A point that ten thousand keyframes see has as many. In this crate's own tests a small map has too many.
-pub const CHANGED_PAIRS_MAX: u64 = if cfg!(test) { 50_000 } else { 100_000_000 };
+/// afterwards. A point that ten thousand keyframes see, fused into another one, has as many. In this crate's own tests a small map has too many.
+pub const CHANGED_PAIRS_MAX: u64 = if cfg!(test) { 50_000 } else { 200_000_000 };
 
 /// Bytes of a number on disk, as a map's quota counts them.
 const NUMBER: usize = size_of::<f64>();

@@ -19,7 +19,7 @@ use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::comparison::compare;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::features::FeatureSet;
-use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
+use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{PreVerified, Screening, Stage};
@@ -144,7 +144,9 @@ impl Suspects {
     /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.
     pub fn verify(&self, at: usize, features: &FeatureSet) -> Option<Twins> {
         let of_query = features.stored.get(&self.keyframe).map(AsRef::as_ref);
-        let asked = self.screening.snapshot.as_ref().zip(of_query).map(PlacedQuery::new);
+        let comparisons = Comparisons::default();
+        let seeing = self.screening.snapshot.as_ref().zip(of_query);
+        let asked = seeing.map(|seeing| PlacedQuery::new(seeing, &comparisons));
         let pre_verified = &self.screening.candidates[at];
         let found =
             check_geometry(&self.screening, pre_verified, asked.as_ref(), features, SEED).ok()?.verification;

@@ -10,7 +10,7 @@ use super::candidates::find_candidates;
 use super::decision::{answer, settle_odds, settle_repeats, verify_candidate};
 use super::evidence;
 use super::features::FeatureSet;
-use super::geometry_check::PlacedQuery;
+use super::geometry_check::{Comparisons, PlacedQuery};
 use super::query::Query;
 use super::screening::{PreVerified, Screening};
 use crate::domain::change::Keyframe;
@@ -99,7 +99,9 @@ pub fn verify_and_decide(screening: Screening, features: &FeatureSet, seed: u64)
         Some(seq) => features.stored.get(&seq),
         None => features.inline.as_ref(),
     };
-    let asked = screening.snapshot.as_ref().zip(of_query.map(AsRef::as_ref)).map(PlacedQuery::new);
+    let comparisons = Comparisons::default();
+    let seeing = screening.snapshot.as_ref().zip(of_query.map(AsRef::as_ref));
+    let asked = seeing.map(|seeing| PlacedQuery::new(seeing, &comparisons));
     // the last step: geometric verification; and ours, the anchors under its transformation
     let verify = |pre_verified| verify_candidate(&screening, pre_verified, asked.as_ref(), features, seed);
     let mut verified: Vec<_> = screening.candidates.iter().map(verify).collect();

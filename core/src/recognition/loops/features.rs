@@ -1,12 +1,13 @@
 //! A keyframe's features, ready to be matched: descriptors packed, points by number.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::domain::keyframe::{Features, Keypoint};
 use crate::geometry::hamming::PackedDescriptors;
+use crate::recognition::verification::descriptor_matching::NO_NODE;
 
 /// Features as the verification reads them; the lists run in parallel. Immutable, but for the map points: [`Self::observing`].
 #[derive(Clone, Debug)]
@@ -47,6 +48,19 @@ impl MatchableFeatures {
             map_points: features.map_points,
             nodes: None,
         })
+    }
+
+    /// Returns how many pairs of descriptors a matching compares: all, or where both are grouped by a vocabulary's nodes, those of
+    /// each node.
+    pub fn comparisons(&self, other: &Self) -> u64 {
+        let Some((own, theirs)) = self.nodes.as_ref().zip(other.nodes.as_ref()) else {
+            return self.descriptors.len() as u64 * other.descriptors.len() as u64;
+        };
+        let mut of_node: HashMap<u32, u64> = HashMap::new();
+        for node in own.iter().filter(|node| **node != NO_NODE) {
+            *of_node.entry(*node).or_default() += 1;
+        }
+        theirs.iter().filter_map(|node| of_node.get(node)).sum()
     }
 
     /// Returns how much memory they take.

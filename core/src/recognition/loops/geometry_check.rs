@@ -1,6 +1,6 @@
 //! Geometry on one pair of keyframes: what it needs, by which numbers it is accepted, and what came out.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 use super::features::{FeatureSet, MatchableFeatures};
 use super::geometry_snapshot::GeometrySnapshot;
@@ -23,16 +23,37 @@ pub struct Terms<'a> {
     pub metric: bool,
 }
 
+/// Pairs of descriptors that one question compares, over all of its candidates: as many as twenty candidates have where each
+/// keyframe has three thousand features. Without a bound a question would cost the square of its features.
+pub const COMPARISONS_MAX: u64 = 200_000_000;
+
+/// The comparisons of one question so far.
+#[derive(Debug, Default)]
+pub struct Comparisons(Cell<u64>);
+
+impl Comparisons {
+    /// Takes so many, unless they would be too many. The first candidate is compared in any case.
+    fn take(&self, count: u64) -> bool {
+        let so_far = self.0.get();
+        let is_allowed = so_far == 0 || so_far.saturating_add(count) <= COMPARISONS_MAX;
+        if is_allowed {
+            self.0.set(so_far.saturating_add(count));
+        }
+        is_allowed
+    }
+}
+
 /// The keyframe that is asked about. Its points are placed once, when the first candidate needs them.
 pub struct PlacedQuery<'a> {
     seeing: Seeing<'a>,
     placed: OnceCell<Placed>,
+    comparisons: &'a Comparisons,
 }
 
 impl<'a> PlacedQuery<'a> {
-    /// Takes what is asked about.
-    pub fn new(seeing: Seeing<'a>) -> Self {
-        Self { seeing, placed: OnceCell::new() }
+    /// Takes what is asked about, and the comparisons of the question so far.
+    pub fn new(seeing: Seeing<'a>, comparisons: &'a Comparisons) -> Self {
+        Self { seeing, placed: OnceCell::new(), comparisons }
     }
 
     fn placed(&self, terms: &Terms<'_>) -> &Placed {
@@ -140,6 +161,11 @@ fn verify_pair(
     let min_matches = terms.settings.geometry_min_matches as usize;
     if [query, candidate].iter().any(|(_, features)| features.keypoints.len() < min_matches) {
         return Err("one of the two has fewer features than geometry_min_matches");
+    }
+    if !asked.comparisons.take(query.1.comparisons(candidate.1)) {
+        return Err(
+            "the candidates before it had so many features that no more are compared for one question",
+        );
     }
     let window = candidate.0.window.iter().filter_map(|seq| features.stored.get(seq).map(AsRef::as_ref));
     let mut landmarks = candidate.0.landmarks(candidate.1, window, query);

@@ -11,7 +11,7 @@ use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
-use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
+use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
@@ -103,7 +103,8 @@ impl Look {
         let properties = index.properties();
         let terms = Terms { settings: &properties.settings, metric: properties.metric };
         let of = |keyframe: KeyframeSeq| features.stored.get(&keyframe).map(AsRef::as_ref);
-        let asked = PlacedQuery::new((&self.query.1, of(self.query.0)?));
+        let comparisons = Comparisons::default();
+        let asked = PlacedQuery::new((&self.query.1, of(self.query.0)?), &comparisons);
         let seen = of(self.candidate.0)?;
         let checked = verify_views(&terms, &asked, (&self.candidate.1, seen), features, SEED).ok()?;
         let found = &checked.verification;
