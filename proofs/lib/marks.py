@@ -9,6 +9,7 @@ made of a number, and a point's number where it is stored as the distance to one
 """
 
 import base64
+import functools
 import os
 import re
 import struct
@@ -75,30 +76,22 @@ class Side:
             yield f"double ({name})", "big-endian", head, False
             yield f"double ({name})", "little-endian", head[::-1], False
             yield f"double ({name})", "decimal", digits.encode(), False
-        point = self.first_point
-        yield "point number", "little-endian", point.to_bytes(8, "little")[3:], False
-        yield "point number", "big-endian", point.to_bytes(8, "big")[:5], False
-        yield "point number", "decimal", self.digits(point, point + POINT_SPAN), False
+        point, second = self.first_point, self.first_second
+        # Which five of the eight bytes begin them.
+        for kind, number, span, first in (("point number", point, POINT_SPAN, 0), ("point block", point >> 6, POINT_SPAN >> 6, 1),
+                                          ("stamp", second, STAMP_SPAN, 2)):
+            head = number.to_bytes(8, "big")[first:first + 5]
+            digits = os.path.commonprefix([str(number), str(number + span)])
+            assert len(digits) >= 8, digits
+            yield kind, "big-endian", head, False
+            yield kind, "little-endian", head[::-1], False
+            yield kind, "decimal", digits.encode(), False
         yield "point number", "zigzag varint", varint(2 * point)[4:], False
         yield "point number", "varint", varint(point)[3:], False
-        block = point >> 6
-        yield "point block", "big-endian", block.to_bytes(8, "big")[1:6], False
-        yield "point block", "little-endian", block.to_bytes(8, "little")[2:7], False
-        yield "point block", "decimal", self.digits(block, block + (POINT_SPAN >> 6)), False
-        second = self.first_second
-        yield "stamp", "big-endian", second.to_bytes(6, "big")[:5], False
-        yield "stamp", "little-endian", second.to_bytes(8, "little")[1:6], False
-        yield "stamp", "decimal", self.digits(second, second + STAMP_SPAN), False
         yield "stamp", "zigzag varint", varint(2 * second)[2:], False
         yield "descriptor", "bytes", self.descriptor, False
         for form in in_base64(self.descriptor):
             yield "descriptor", "base64", form, False
-
-    @staticmethod
-    def digits(low, high):
-        shared = os.path.commonprefix([str(low), str(high)])
-        assert len(shared) >= 8, shared
-        return shared.encode()
 
 
 class Owner:
@@ -133,14 +126,9 @@ class Owner:
         tail = bytes([self.number + 1]) + (self.next() % (1 << 16)).to_bytes(2, "big")
         return self.note(struct.unpack(">d", self.side.doubles[kind][0] + tail)[0], what)
 
-    def metres(self, what):
-        return self.double("metres", what)
-
-    def pixels(self, what):
-        return self.double("pixels", what)
-
-    def unit(self, what):
-        return self.double("unit", what)
+    metres = functools.partialmethod(double, "metres")
+    pixels = functools.partialmethod(double, "pixels")
+    unit = functools.partialmethod(double, "unit")
 
     def point(self, number):
         assert number < 1 << 12
