@@ -10,9 +10,10 @@ use super::descriptions::judgement_runner::JudgementRunner;
 use super::descriptions::round::Round;
 use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
-use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
+use super::limits::bounds::{TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::limits::export_limit::ExportLimit;
+use super::limits::shared_turns::SharedTurns;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;
 use super::named_vocabulary::NamedVocabulary;
@@ -51,8 +52,8 @@ impl Service {
             closing: CancellationToken::new(),
             store,
             writes: ConcurrencyLimit::new(WRITES_AT_ONCE, WAITING_MAX),
-            reads: ConcurrencyLimit::new(READS_PER_CORE * cores(), WAITING_MAX),
-            deciding: Arc::new(Semaphore::new(cores())),
+            reads: Arc::new(SharedTurns::new(TURNS_PER_CORE * cores(), WAITING_MAX)),
+            deciding: Arc::new(SharedTurns::new(TURNS_PER_CORE * cores(), WAITING_MAX)),
             pressure: Arc::default(),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,

@@ -16,6 +16,7 @@ use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::limits::export_limit::ExportLimit;
 use super::limits::load_shedding::LoadShedding;
+use super::limits::shared_turns::SharedTurns;
 use super::limits::trigger_queue::TriggerQueue;
 use super::maps::features::FeatureCache;
 use super::maps::live::LiveMap;
@@ -39,9 +40,8 @@ pub struct Parts {
     pub(super) store: Store,
     pub(super) registry: Arc<Registry>,
     pub(super) writes: Arc<ConcurrencyLimit>,
-    pub(super) reads: Arc<ConcurrencyLimit>,
-    /// One permit a core: more decisions at once would only share the cores.
-    pub(super) deciding: Arc<Semaphore>,
+    pub(super) reads: Arc<SharedTurns>,
+    pub(super) deciding: Arc<SharedTurns>,
     pub(super) pressure: Arc<LoadShedding>,
     pub(super) features: FeatureCache,
     pub(super) vocabulary: Option<Arc<NamedVocabulary>>,

@@ -37,6 +37,11 @@ impl ConcurrencyLimit {
         self.waiting.load(Ordering::Relaxed)
     }
 
+    /// Waits for something else that keeps a request from its turn, such as a lock, or hears that it takes too long.
+    pub async fn in_time<T>(waiting: impl Future<Output = T>) -> Result<T, ServiceError> {
+        tokio::time::timeout(MAX_QUEUE_WAIT, waiting).await.map_err(|_| overloaded())
+    }
+
     /// Waits its turn, or hears that it would take too long.
     pub async fn enter(&self) -> Result<OwnedSemaphorePermit, ServiceError> {
         if let Ok(permit) = self.turns.clone().try_acquire_owned() {

@@ -5,4 +5,5 @@ pub(super) mod concurrency_limit;
 pub(super) mod export_limit;
 pub mod load_shedding;
 pub(super) mod quota;
+pub mod shared_turns;
 pub(super) mod trigger_queue;

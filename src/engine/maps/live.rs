@@ -22,16 +22,11 @@ use crate::domain::event::Event;
 use crate::domain::ids::{MapId, SessionId};
 use crate::domain::key::KeySeq;
 use crate::engine::error::ServiceError;
-use crate::engine::limits::bounds::{WAITING_MAX, cores};
-use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
+use crate::engine::limits::shared_turns::Turn;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
 use crate::store::{Batch, GivenAnswer, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
-
-/// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
-/// wait for one map's lock leave room for those of another.
-const READS_OF_A_MAP_PER_CORE: usize = 1;
 
 /// Maximum answers of a map's loop queries that wait for the disk; further ones are not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
@@ -53,8 +48,6 @@ pub(in crate::engine) struct LiveMap {
     pub(super) line: PoisonFlag,
     /// Whether the map is deleted. Set under the lock of `state`.
     pub(super) gone: AtomicBool,
-    /// Lets so many read at once: a map of which a write takes long keeps no more readers from the others.
-    pub reads: Arc<ConcurrencyLimit>,
     /// The version of `state`.
     pub(super) newest: AtomicU64,
     /// The version at which the kept frames were last found to be those of the map; 0 if they never were. Held while they are
@@ -130,7 +123,6 @@ impl LiveMap {
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             gone: AtomicBool::new(false),
-            reads: ConcurrencyLimit::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
             newest: AtomicU64::new(facts.version),
             frames_checked: tokio::sync::Mutex::new(0),
             on_disk: watch::Sender::new(facts.version),
@@ -202,7 +194,7 @@ impl LiveMap {
         self: &Arc<Self>,
         store: &Store,
         permit: OwnedSemaphorePermit,
-        core: OwnedSemaphorePermit,
+        core: Turn,
         urgency: Urgency,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
     ) -> Result<Pending<T>, ServiceError> {
@@ -400,11 +392,6 @@ impl LiveMap {
 }
 
 impl<T> Pending<T> {
-    /// Returns what was decided.
-    pub fn value(&self) -> &T {
-        &self.value
-    }
-
     /// Waits until the decision is on disk.
     pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64), ServiceError> {
         match self.committed {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use tokio::sync::MutexGuard;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
@@ -9,6 +10,8 @@ use super::live::{Decision, LiveMap, Pending, State, Urgency};
 use super::loads::Used;
 use crate::config::logging::in_part;
 use crate::config::traces;
+use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::store::Store;
@@ -25,7 +28,8 @@ pub(in crate::engine) enum Manner {
     Patient,
     /// As [`Self::Prompt`], and it frees space: it goes on when the disk is full.
     Freeing,
-    /// As [`Self::Freeing`], and releases are written to, too: what is erased stays in none.
+    /// It waits however long it takes, goes on when the disk is full, and releases are written to, too: what is erased stays in
+    /// none.
     Erasing,
 }
 
@@ -45,22 +49,26 @@ impl Service {
             return Err(ServiceError::Internal(format!("{} is a release, to which nobody writes", live.id)));
         }
         self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing))?;
-        let permit = match manner {
-            Manner::Patient => self.writes.acquire_unbounded().await?,
-            Manner::Prompt | Manner::Freeing | Manner::Erasing => self.writes.enter().await?,
-        };
+        let is_patient = matches!(manner, Manner::Patient | Manner::Erasing);
+        let permit =
+            if is_patient { self.writes.acquire_unbounded().await? } else { self.writes.enter().await? };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let anew;
-        let lane = live.lane.lock().await;
+        let lane = lane_of(live, is_patient).await?;
         let (live, _lane) = if live.is_poisoned() {
             // It was thrown away meanwhile, as an erasure does it, and nothing is decided yet.
             drop(lane);
             anew = self.anew(live).await?;
-            (&anew, anew.lane.lock().await)
+            (&anew, lane_of(&anew, is_patient).await?)
         } else {
             (live, lane)
         };
-        let core = self.deciding.clone().acquire_owned().await.map_err(|_| ServiceError::closed())?;
+        let tenant = Tenant::current(Some(live.key));
+        let core = if is_patient {
+            self.deciding.acquire_unbounded(tenant).await?
+        } else {
+            self.deciding.enter(tenant).await?
+        };
         let (deciding, store) = (live.clone(), self.store.clone());
         // A client of many writes has more, and waits for none of them alone.
         let urgency = if manner == Manner::Patient { Urgency::Held } else { Urgency::Prompt };
@@ -154,8 +162,7 @@ impl Service {
         live: &Arc<LiveMap>,
         look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
-        let of_map = live.reads.enter().await?;
-        let permit = self.reads.enter().await?;
+        let turn = self.reads.enter(Tenant::current(Some(live.key))).await?;
         let looking = live.clone();
         let (version, value) = spawn_blocking(in_part("read", move || {
             let state = looking.state()?;
@@ -164,10 +171,16 @@ impl Service {
         .await
         .map_err(ServiceError::panicked)??;
         // Waiting for the disk takes no core.
-        drop((permit, of_map));
+        drop(turn);
         live.on_disk(&self.store, version).await?;
         Ok((version, value))
     }
+}
+
+/// Waits until nobody else decides a write to a map.
+async fn lane_of(live: &LiveMap, is_patient: bool) -> Result<MutexGuard<'_, ()>, ServiceError> {
+    let waiting = live.lane.lock();
+    if is_patient { Ok(waiting.await) } else { ConcurrencyLimit::in_time(waiting).await }
 }
 
 /// A write that is decided and on its way to the disk.
@@ -178,11 +191,6 @@ pub(in crate::engine) struct Begun<T> {
 }
 
 impl<T> Begun<T> {
-    /// Returns what was decided.
-    pub fn value(&self) -> &T {
-        self.pending.value()
-    }
-
     /// Waits until it is on disk.
     pub async fn committed(self) -> Result<(T, u64), ServiceError> {
         self.pending.committed(&self.store, &self.live).instrument(traces::part("commit")).await

@@ -11,6 +11,7 @@ use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
 use crate::domain::ids::{MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::likeness::first_others;
@@ -19,8 +20,11 @@ use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, snapshot
 use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX, select};
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
-use crate::recognition::loops::geometry_check::PlacedQuery;
+use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery};
 use crate::recognition::loops::wanted_features::WantedFeatures;
+
+/// Times that the maps of a pattern are asked again because one of them was deleted meanwhile.
+const ASKED_AGAIN_MAX: usize = 3;
 
 /// The place of the camera, and the maps that were asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +45,22 @@ impl Service {
         &self,
         request: LocateRequest,
         reaches: impl Fn(&MapId) -> bool,
+    ) -> Result<LocateAnswer, ServiceError> {
+        let are_named = !request.maps.is_empty() && request.maps.iter().all(|map| map.only_map().is_some());
+        for _ in 0..if are_named { 0 } else { ASKED_AGAIN_MAX } {
+            match self.locate_now(request.clone(), &reaches).await {
+                // A map that nobody named was deleted meanwhile: the others are asked.
+                Err(ServiceError::NotFound(_)) => {}
+                answer => return answer,
+            }
+        }
+        self.locate_now(request, &reaches).await
+    }
+
+    async fn locate_now(
+        &self,
+        request: LocateRequest,
+        reaches: &impl Fn(&MapId) -> bool,
     ) -> Result<LocateAnswer, ServiceError> {
         let ids = self.maps_to_ask(&request.maps, reaches).await?;
         let ids = match &request.release {
@@ -79,15 +99,15 @@ impl Service {
         timings.features_ms = milliseconds_since(started);
 
         let started = Instant::now();
-        let permit = self.reads.enter().await?;
+        let permit = self.reads.enter(Tenant::current(None)).await?;
         let max = request.max;
         let (seed, asking) = (question.seed, question.keyframes.len());
         let decide = move || {
             timed(|| {
-                let mut views: Vec<View> = Vec::new();
+                let (mut views, comparisons) = (Vec::<View>::new(), Comparisons::default());
                 let found = LOOKED_AT.into_iter().find_map(|upto| {
                     let next = &chosen[views.len()..chosen.len().min(upto)];
-                    views.extend(look_at(&question, &searches, next, &own, &stored));
+                    views.extend(look_at(&question, &searches, next, (&own, &stored), &comparisons));
                     let location = locate(&searches, &views, 0, max);
                     let is_over = location.verdict == LocationVerdict::Located || views.len() == chosen.len();
                     is_over.then_some(location)
@@ -216,8 +236,8 @@ fn look_at(
     question: &LocateQuestion,
     searches: &[MapSearch],
     chosen: &[Chosen],
-    own: &[Option<Arc<MatchableFeatures>>],
-    stored: &BTreeMap<usize, FeatureSet>,
+    (own, stored): (&[Option<Arc<MatchableFeatures>>], &BTreeMap<usize, FeatureSet>),
+    comparisons: &Comparisons,
 ) -> Vec<View> {
     let none = FeatureSet::default();
     let mut placed: BTreeMap<(usize, usize), Option<PlacedQuery<'_>>> = BTreeMap::new();
@@ -227,7 +247,8 @@ fn look_at(
             let search = &searches[one.map];
             let asked = placed.entry((one.map, one.asked)).or_insert_with(|| {
                 let snapshot = search.screenings[one.asked].snapshot.as_ref();
-                snapshot.zip(own[one.asked].as_deref()).map(PlacedQuery::new)
+                let seeing = snapshot.zip(own[one.asked].as_deref());
+                seeing.map(|seeing| PlacedQuery::new(seeing, comparisons))
             });
             look(question, search, *one, asked.as_ref(), stored.get(&one.map).unwrap_or(&none))
         })

@@ -17,6 +17,7 @@ use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::MapPattern;
 use crate::domain::keyframe::Detection;
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::ingest::other_vocabulary;
@@ -166,7 +167,7 @@ impl Service {
         timings: &mut Timings,
     ) -> Result<Option<Unloaded>, ServiceError> {
         let started = Instant::now();
-        let permit = self.reads.enter().await?;
+        let permit = self.reads.enter(Tenant::current(None)).await?;
         let (store, registry, handle) = (self.store.clone(), self.registry.clone(), Handle::current());
         let (asked, promised) = (question.clone(), *promised_bytes);
         let reading = move || {

@@ -18,6 +18,7 @@ use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
 use crate::engine::global_descriptors::check_global_descriptor;
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
@@ -139,7 +140,7 @@ impl Service {
             timed(|| verify_and_decide(screening, &features, query.seed))
         } else {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
-            let _permit = self.reads.enter().await?;
+            let _permit = self.reads.enter(Tenant::current(Some(live.key))).await?;
             let seed = query.seed;
             let verify = move || timed(|| verify_and_decide(screening, &features, seed));
             spawn_blocking(in_part("verify", verify)).await.map_err(ServiceError::panicked)?

@@ -156,8 +156,6 @@ impl Service {
             stats.anchors += figures.anchors;
             stats.postings += figures.postings;
             stats.index_bytes += figures.index_bytes;
-            // Mostly they wait before their map; only then before all maps.
-            stats.reads_waiting += live.reads.waiting() as u64;
         });
         stats
     }
