@@ -7,7 +7,9 @@ use crate::domain::request::{ChangedKeyframe, ChangedObservations};
 use crate::engine::limits::quota::check_observations;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::anchors::observations::{change_observations, keyframes_of};
+use crate::recognition::anchors::observations::{
+    CHANGED_PAIRS_MAX, TooManyPairs, change_observations, keyframes_of,
+};
 use crate::recognition::map::index::MapIndex;
 
 /// Keyframes of which one request may change what they observe: each is a row, and all are written in one transaction.
@@ -46,7 +48,7 @@ impl Service {
                 return Err(ServiceError::Invalid(vec![FieldError::new("/replaced", detail).limit(limit)]));
             }
             check_observations(&quotas, index, &update)?;
-            let changed = change_observations(index, update);
+            let changed = change_observations(index, update).map_err(too_many_pairs)?;
             let counts = ChangedCounts {
                 keyframes: changed.keyframes,
                 map_points: changed.map_points,
@@ -56,6 +58,12 @@ impl Service {
         };
         self.change(&live, decide).await
     }
+}
+
+fn too_many_pairs(TooManyPairs(pairs): TooManyPairs) -> ServiceError {
+    let detail = "these changes concern too many pairs of keyframes that observe the same map points; send them in parts";
+    let fault = FieldError::new("/replaced", detail).got(format!("{pairs} pairs"));
+    ServiceError::Invalid(vec![fault.limit(format!("{CHANGED_PAIRS_MAX} pairs"))])
 }
 
 /// Finds the keyframes of a request, or every one that is not there.
