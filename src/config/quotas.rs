@@ -14,7 +14,7 @@ pub struct Quotas {
     pub map_max_anchors: Option<u64>,
     /// Maximum bytes of a map's facts on disk; unlimited by default. Counts keyframes with their words, features,
     /// detections, texts and crops, map points, and loops with their merges. Corrections of existing data still work
-    /// above it
+    /// above it. A release is published while the map, its releases and this one fit
     #[arg(long, env = "REVISIT_MAP_MAX_BYTES", value_name = "BYTES")]
     pub map_max_bytes: Option<u64>,
 }

@@ -95,6 +95,19 @@ pub(in crate::engine) fn check_prior(
     check_bytes(quotas, index, prior.bytes() + of_frame)
 }
 
+/// Refuses a release that would take its map, with the bytes of those that it has, beyond a quota: each is a copy.
+pub(in crate::engine) fn check_release(
+    quotas: &Quotas,
+    index: &MapIndex,
+    of_releases: u64,
+) -> Result<(), ServiceError> {
+    let with_releases = index.bytes() + of_releases;
+    match over(quotas.map_max_bytes, with_releases + index.bytes()) {
+        Some(most) => Err(full("bytes with its releases", with_releases, most)),
+        None => Ok(()),
+    }
+}
+
 fn check_bytes(quotas: &Quotas, index: &MapIndex, more: u64) -> Result<(), ServiceError> {
     match over(quotas.map_max_bytes, index.bytes() + more).filter(|_| more > 0) {
         Some(most) => Err(full("bytes", index.bytes(), most)),

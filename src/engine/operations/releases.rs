@@ -13,6 +13,7 @@ use crate::domain::report::Page;
 use crate::domain::request::Digest;
 use crate::engine::cluster::following::Effort;
 use crate::engine::keys::keyring::now;
+use crate::engine::limits::quota::check_release;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
 use crate::engine::{Service, ServiceError, Stored};
@@ -48,10 +49,13 @@ impl Service {
         if let Some(value) = self.published_before(live, &name, &digest).await? {
             return Ok(Stored { created: false, map_version: value.version, value });
         }
-        if self.store.release_count(live.key).await? >= RELEASES_MAX {
+        let (count, bytes) = self.store.release_sizes(live.key).await?;
+        if count >= RELEASES_MAX {
             let detail = format!("a map has at most {RELEASES_MAX} releases; delete some");
             return Err(ServiceError::TooLarge { detail });
         }
+        let quotas = self.quotas;
+        self.read(live, move |state| check_release(&quotas, &state.index, bytes)).await?;
         self.disk_takes(false)?;
         let _reading = self.exports.enter()?;
         let _copying = self.copying.read().await;

@@ -114,11 +114,12 @@ impl Store {
         Ok(found.map(|release| (release, digest)))
     }
 
-    /// Returns the number of releases of a map.
-    pub async fn release_count(&self, map: MapKey) -> Result<u64, StoreError> {
-        let select = "select count(*) from releases where map_key = $1";
-        let count: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
-        Ok(count.unsigned_abs())
+    /// Returns the number of releases of a map, and what they take on disk in bytes, as quotas count it.
+    pub async fn release_sizes(&self, map: MapKey) -> Result<(u64, u64), StoreError> {
+        let select = "select count(*), cast(coalesce(sum(m.bytes), 0) as bigint)
+            from releases r join maps m on m.map_key = r.release_key where r.map_key = $1";
+        let (count, bytes): (i64, i64) = sql::query_as(select).bind(map).fetch_one(&self.readers).await?;
+        Ok((count.unsigned_abs(), bytes.unsigned_abs()))
     }
 
     /// Returns the ids of the maps that hold the releases of a map, with their keys.

@@ -73,6 +73,18 @@ async fn a_map_counts_the_bytes_of_its_keyframes() {
 }
 
 #[tokio::test]
+async fn a_release_counts_as_its_map_does() {
+    let server = Server::with_quotas(limited(2 * (SESSION + HEAD))).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    server.put("/v1/maps/m/keyframes/a", &keyframe()).await.expect(201);
+    server.put("/v1/maps/m/releases/first", &json!({})).await.expect(201);
+    let refused = server.put("/v1/maps/m/releases/second", &json!({})).await.expect(507);
+    assert_eq!(refused["code"], "map_full", "{refused}");
+    server.delete("/v1/maps/m/releases/first").await.expect(204);
+    server.put("/v1/maps/m/releases/second", &json!({})).await.expect(201);
+}
+
+#[tokio::test]
 async fn everything_that_a_detection_brings_counts() {
     let plain = json!({"class": "sign", "confidence": 0.5, "box": [0, 0, 1, 1]});
     let (head, crop) = (5 * 8 + 4, "iVBORw0KGgoAAAAA");
