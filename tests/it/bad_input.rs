@@ -297,6 +297,16 @@ async fn a_map_and_a_query_are_checked_like_a_keyframe() {
 }
 
 #[tokio::test]
+async fn a_request_whose_host_is_empty_is_refused() {
+    let server = Server::start().await;
+    let mut connection = Connection::open(server.addr()).await;
+    connection.send("GET /v1/maps HTTP/1.1\r\nhost:\r\nconnection: close\r\n\r\n").await;
+    let answer = connection.rest().await;
+    assert_eq!(statuses(&answer), [400], "{answer}");
+    assert!(answer.contains("`host` is empty"), "{answer}");
+}
+
+#[tokio::test]
 async fn bytes_that_are_not_http_are_answered_with_a_problem() {
     let server = Server::start().await;
     let many = "x: a\r\n".repeat(200);

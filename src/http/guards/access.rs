@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
-use axum::http::header::{ALLOW, AUTHORIZATION};
+use axum::http::header::{ALLOW, AUTHORIZATION, HOST};
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -17,6 +17,7 @@ use crate::domain::key::{Action, MapPattern};
 use crate::engine::ServiceError;
 use crate::engine::keys::access::Access;
 use crate::engine::keys::keyring::{Found, now};
+use crate::engine::limits::shared_turns::for_key;
 use crate::http::App;
 use crate::http::envelope::no_such_method;
 use crate::http::peers::FORWARDED;
@@ -91,10 +92,11 @@ pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> 
     let (mut parts, body) = request.into_parts();
     match admitted(&app, &mut parts).await {
         Ok(caller) => {
+            let key = caller.as_ref().and_then(|caller| caller.0.key());
             if let Some(caller) = caller {
                 parts.extensions.insert(caller);
             }
-            next.run(Request::from_parts(parts, body)).await
+            for_key(key, next.run(Request::from_parts(parts, body))).await
         }
         Err(Refusal::Problem(problem)) => problem.into_response(),
         Err(Refusal::NoSuchMethod(allowed)) => {
@@ -117,6 +119,12 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
         Permission::AnyKey => None,
         Permission::Action(action) => Some(action),
     };
+    // Nobody means it: a web page, or a proxy, has cut it off.
+    if parts.headers.get_all(HOST).iter().any(|host| host.is_empty()) {
+        return Err(
+            Problem::new(Kind::BAD_REQUEST, "`host` is empty: it names the server that is asked").into()
+        );
+    }
     let secret = secret(parts)?;
     let working = parts.extensions.get::<HeldPermit>().cloned().unwrap_or_default();
     let access =
