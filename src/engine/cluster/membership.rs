@@ -88,8 +88,18 @@ impl Membership {
     pub(super) fn set_list(&self, asked: Instant, nodes: Vec<LiveNode>) {
         let mut list = self.list.write().unwrap_or_else(PoisonError::into_inner);
         if asked > list.asked && nodes.iter().any(|live| live.node.id == self.this.id) {
+            if self.shares_its_address(&nodes) && !self.shares_its_address(&list.nodes) {
+                let address = &self.this.address;
+                tracing::warn!(%address, "another server is at this address, too: give each its own --advertise");
+            }
             *list = Arc::new(List { nodes, asked });
         }
+    }
+
+    fn shares_its_address(&self, nodes: &[LiveNode]) -> bool {
+        let is_other =
+            |live: &LiveNode| live.node.id != self.this.id && live.node.address == self.this.address;
+        nodes.iter().any(is_other)
     }
 
     /// Reads the list anew, unless that was done a moment ago or somebody does it now: between two renewals servers come and go.
