@@ -15,9 +15,9 @@ use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
 use crate::config::logging::in_part;
-use crate::domain::change::{Keyframe, Loop};
+use crate::domain::change::{Change, Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
-use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, SessionId};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, PointId, SessionId};
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::write_path::Manner;
@@ -25,6 +25,7 @@ use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::loop_closure::revoke_loop;
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::{Decided, Recorder};
 use crate::store::{ErasureStep, Job, OpenErasure, StoreError};
 
 /// A failed attempt is repeated after this time, and after twice as long the next time, ...
@@ -36,7 +37,7 @@ const RETRY_LAST: Duration = Duration::from_mins(10);
 /// The time after which it is looked again whether older versions are read still, or changes wait for their rows.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
 
-/// Keyframes of a session that one look finds.
+/// Keyframes that one look finds.
 const FOUND_AT_ONCE: usize = 1000;
 
 impl Service {
@@ -145,20 +146,19 @@ impl Service {
         if live.key != erasure.key {
             return Err(ServiceError::no_map(&erasure.map));
         }
-        self.remove_from(&live, asked, Some(erasure)).await?;
         let mut maps = vec![live.clone()];
         for (id, key) in self.store.release_maps(live.key).await? {
-            let release = match self.live(&id).await {
+            match self.live(&id).await {
                 // It was deleted meanwhile.
-                Err(ServiceError::NotFound(_)) => continue,
-                release => release?,
-            };
-            if release.key == key {
-                if self.remove_from(&release, asked, None).await? > 0 {
-                    self.step(erasure, ErasureStep::CountRelease(key)).await?;
-                }
-                maps.push(release);
+                Err(ServiceError::NotFound(_)) => {}
+                release => maps.extend(Some(release?).filter(|release| release.key == key)),
             }
+        }
+        if !erasure.is_counted {
+            self.count(erasure, asked, &maps).await?;
+        }
+        for live in &maps {
+            self.remove_from(live, asked).await?;
         }
         let sessions = match asked {
             NewErasure::Keyframes(_) => Vec::new(),
@@ -186,23 +186,37 @@ impl Service {
         Ok(self.store.committer().commit(Job::Erase(erasure.key, erasure.number, step)).await?)
     }
 
-    /// Deletes the keyframes, and the loops that name them. Returns how many keyframes there were. Each is counted with its deletion,
-    /// for an erasure may be broken off, and go on elsewhere.
-    async fn remove_from(
+    /// Counts what is to be removed, before the first of it is: an erasure may be broken off, and go on elsewhere.
+    async fn count(
         &self,
-        live: &Arc<LiveMap>,
+        erasure: &OpenErasure,
         asked: &NewErasure,
-        counted_in: Option<&OpenErasure>,
-    ) -> Result<u64, ServiceError> {
+        maps: &[Arc<LiveMap>],
+    ) -> Result<(), ServiceError> {
+        let (mut keyframes, mut releases) = (0, Vec::new());
+        for live in maps {
+            let asked = asked.clone();
+            let count = move |state: &State| Ok(keyframes_of(&state.index, &asked).count() as u64);
+            let found = self.read(live, count).await?.1;
+            if live.key == erasure.key {
+                keyframes = found;
+            } else if found > 0 {
+                releases.push(live.key);
+            }
+        }
+        self.step(erasure, ErasureStep::Count(keyframes, releases)).await
+    }
+
+    /// Deletes the keyframes, the loops that name them, and the positions of their sessions' map points.
+    async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<(), ServiceError> {
         // What a robot sends meanwhile stays, so that there is an end.
         let end = self.read(live, |state: &State| Ok(state.index.next_keyframe())).await?.1;
-        let mut removed = 0;
         loop {
             let wanted = asked.clone();
             let found = self.read(live, move |state: &State| Ok(Found::of(&state.index, &wanted, end)));
             let Found { keyframes, loops } = found.await?.1;
             if keyframes.is_empty() && loops.is_empty() {
-                return Ok(removed);
+                break;
             }
             for id in loops {
                 let revoke = move |index: &mut MapIndex| {
@@ -218,24 +232,56 @@ impl Service {
                 let cull = move |index: &mut MapIndex| {
                     // Somebody else may have deleted it meanwhile, and given its name to another.
                     if index.keyframe_seq(&id) != Some(seq) {
-                        return Ok(Decision::Unchanged(0));
+                        return Ok(Decision::Unchanged(()));
                     }
-                    Ok(Decision::Changed(1, cull_keyframe(index, seq, Arc::new(bow)), None))
+                    Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
                 };
-                let begun = self.begin(live, Manner::Erasing, cull).await?;
-                let gone: u64 = *begun.value();
-                let count = async {
-                    match counted_in {
-                        Some(erasure) if gone > 0 => self.step(erasure, ErasureStep::Count(gone)).await,
-                        _ => Ok(()),
-                    }
-                };
-                // On their way together, they share a commit.
-                let (committed, counted) = tokio::join!(begun.committed(), count);
-                removed += committed?.0;
-                counted?;
+                self.begin(live, Manner::Erasing, cull).await?.committed().await?;
                 self.features.forget(live.key, seq).await;
             }
+        }
+        if let NewErasure::Sessions(sessions) = asked.clone() {
+            let forget = move |index: &mut MapIndex| match forget_points(index, &sessions) {
+                Some(decided) => Ok(Decision::Changed((), decided, None)),
+                None => Ok(Decision::Unchanged(())),
+            };
+            self.begin(live, Manner::Erasing, forget).await?.committed().await?;
+        }
+        Ok(())
+    }
+}
+
+/// Forgets the positions of map points that no keyframe is left to observe: a correction, or a keyframe that did not observe them,
+/// had brought them. `None` where there are none.
+fn forget_points(index: &mut MapIndex, sessions: &[SessionId]) -> Option<Decided> {
+    let is_left = |session| index.keyframes().any(|keyframe| keyframe.session == session);
+    let gone = sessions.iter().filter_map(|id| index.session(id)).filter(|session| !is_left(*session));
+    let points = |session| -> Box<[PointId]> {
+        index.points().placed(session).into_iter().map(|(id, _)| id).collect()
+    };
+    let forgotten = gone.map(|session| Change::PointsForgotten(session, points(session)));
+    let is_any = |change: &Change| matches!(change, Change::PointsForgotten(_, points) if !points.is_empty());
+    let changes: Vec<Change> = forgotten.filter(is_any).collect();
+    if changes.is_empty() {
+        return None;
+    }
+    let mut record = Recorder::new(index);
+    record.apply(changes);
+    Some(record.finish())
+}
+
+/// Returns the keyframes of a map that are to be deleted.
+fn keyframes_of<'a>(
+    index: &'a MapIndex,
+    asked: &'a NewErasure,
+) -> Box<dyn Iterator<Item = &'a Keyframe> + 'a> {
+    match asked {
+        NewErasure::Keyframes(ids) => {
+            Box::new(ids.iter().filter_map(|id| index.keyframe(index.keyframe_seq(id)?)))
+        }
+        NewErasure::Sessions(ids) => {
+            let sessions: BTreeSet<_> = ids.iter().filter_map(|id| index.session(id)).collect();
+            Box::new(index.keyframes().filter(move |keyframe| sessions.contains(&keyframe.session)))
         }
     }
 }
@@ -249,19 +295,9 @@ struct Found {
 impl Found {
     /// Looks among the keyframes before one.
     fn of(index: &MapIndex, asked: &NewErasure, end: KeyframeSeq) -> Self {
-        let keyframes: Vec<(KeyframeSeq, KeyframeId)> = match asked {
-            NewErasure::Keyframes(ids) => {
-                let seq = |id: &KeyframeId| Some((index.keyframe_seq(id)?, id.clone()));
-                ids.iter().filter_map(seq).filter(|(seq, _)| *seq < end).collect()
-            }
-            NewErasure::Sessions(ids) => {
-                let sessions: BTreeSet<_> =
-                    ids.iter().filter_map(|id: &SessionId| index.session(id)).collect();
-                let is_of = |keyframe: &&Keyframe| keyframe.seq < end && sessions.contains(&keyframe.session);
-                let of_session = index.keyframes().filter(is_of);
-                of_session.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect()
-            }
-        };
+        let before = keyframes_of(index, asked).filter(|keyframe| keyframe.seq < end);
+        let keyframes: Vec<(KeyframeSeq, KeyframeId)> =
+            before.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect();
         let named: BTreeSet<&KeyframeId> = match asked {
             // A loop keeps the names of keyframes that were deleted before.
             NewErasure::Keyframes(ids) => ids.iter().collect(),

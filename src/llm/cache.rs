@@ -43,10 +43,14 @@ impl AnswerCache {
             if let Some(answer) = kept {
                 return Ok(answer.into());
             }
+            let erasures = self.store.erasures_so_far().await;
+            let erasures = erasures.map_err(|error| Fault::Store(error.to_string()))?;
             let answer: Arc<str> = ask.await?.into();
-            let job = Job::KeepAnswer { key, operation, model, answer: answer.clone() };
-            let kept = self.store.committer().commit(job).await;
-            kept.map_err(|error| Fault::Store(error.to_string()))?;
+            if let Some(erasures) = erasures {
+                let job = Job::KeepAnswer { key, operation, model, answer: answer.clone(), erasures };
+                let kept = self.store.committer().commit(job).await;
+                kept.map_err(|error| Fault::Store(error.to_string()))?;
+            }
             Ok(answer)
         };
         self.memory.try_get_with(key, find).await.map_err(|fault: Arc<Fault>| (*fault).clone())

@@ -249,6 +249,50 @@ async fn a_session_that_a_release_knows_as_a_part_of_another_is_erased_with_it_o
     assert_eq!(left, Vec::<String>::new());
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_session_left_beside_its_keyframes_is_erased_with_it() {
+    const NUMBER: &str = "4711008154711";
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::on(folder.path()).await;
+    lived(&server).await;
+    // It asks a release in which it has no keyframe.
+    server.put(&format!("{MAP}/releases/r"), &json!({})).await.expect(201);
+    let asked = json!({"inline": secret(100, 7777.125), "release": "r"});
+    server.post(&format!("{MAP}/loop-queries"), &asked).await.expect(200);
+    server.put(&format!("{MAP}/keyframes/kf-zanzibar-1"), &secret(100, 7777.125)).await.expect(201);
+    // No keyframe observes the point that is corrected, nor the one that is culled.
+    let corrected = json!({"session": "session-zanzibar",
+        "map_points": {"ids": [4711], "positions": [[5555.1875, 0.3, 3.03]]}});
+    server.post(&format!("{MAP}/poses"), &corrected).await.expect(200);
+    let culled = json!({"session": "session-zanzibar", "removed": [NUMBER.parse::<i64>().unwrap()]});
+    server.post(&format!("{MAP}/observations"), &culled).await.expect(200);
+    let holds_number = || {
+        let files =
+            fs::read_dir(folder.path()).unwrap().map(|entry| fs::read(entry.unwrap().path()).unwrap());
+        files.into_iter().any(|file| file.windows(NUMBER.len()).any(|bytes| bytes == NUMBER.as_bytes()))
+    };
+    assert!(holds_number() && !found(folder.path()).is_empty());
+    server.post(&format!("{MAP}/erase"), &json!({"sessions": ["session-zanzibar"]})).await.expect(202);
+    done(&server, "e-1").await;
+    assert_eq!(found(folder.path()), Vec::<String>::new());
+    assert!(!holds_number());
+    let release = server.get(&format!("{MAP}/releases/r")).await.expect(200);
+    assert!(!release.to_string().contains("zanzibar"), "{release:#}");
+}
+
+#[tokio::test]
+async fn a_session_whose_frame_a_plan_has_is_not_erased() {
+    let server = Server::with_map("m").await;
+    let sign =
+        json!({"frame": "plan", "class": "door_number", "description": "901", "position": [0.0, 0.0, 1.0]});
+    server.put(&format!("{MAP}/anchors/door"), &sign).await.expect(201);
+    let refused = server.post(&format!("{MAP}/erase"), &json!({"sessions": ["a", "plan"]})).await;
+    assert_eq!(refused.pointers(), ["/sessions/1"]);
+    server.delete(&format!("{MAP}/anchors/door")).await.expect(200);
+    server.post(&format!("{MAP}/erase"), &json!({"sessions": ["plan"]})).await.expect(202);
+    done(&server, "e-1").await;
+}
+
 #[tokio::test]
 async fn what_cannot_be_erased_is_refused_by_its_place() {
     let server = Server::with_map("m").await;

@@ -65,6 +65,10 @@ impl Service {
         models: &Models,
         lack: DescriptionTask,
     ) -> Result<Option<ModelAnswer>, Fault> {
+        if live.is_over() {
+            // What it lacked may be erased by now, and its answer would be kept.
+            return Err(Fault::Store("the map was thrown away, and is loaded anew".to_owned()));
+        }
         let payer = self.payer(live.owner);
         let judge = models.judge.paid_by(payer.clone());
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();

@@ -33,7 +33,7 @@ impl Service {
     }
 
     /// Returns sessions with all that merged into them in any version of the map. Refuses those that are a part of another one in any:
-    /// there they cannot be told from it.
+    /// there they cannot be told from it. Refuses the frame of a plan, too.
     async fn whole_sessions(
         &self,
         map: MapKey,
@@ -51,6 +51,15 @@ impl Service {
             let detail = format!("session {session} is a part of session {into} {place}");
             let fault = FieldError::new(format!("/sessions/{at}"), detail).got(&sessions[*at]);
             let limit = format!("{into}, which is erased with what merged into it{cure}");
+            faults.entry(*at).or_insert_with(|| fault.limit(limit));
+        }
+        for (release, session) in self.store.frames_of_plans(map).await? {
+            let Some(at) = all.get(&session) else { continue };
+            let place = release.map_or_else(String::new, |release| format!(" in release {release}"));
+            let detail = format!("prior anchors{place} have their places in the frame of session {session}");
+            let fault = FieldError::new(format!("/sessions/{at}"), detail).got(&sessions[*at]);
+            let limit =
+                "a session without prior anchors: delete these, and the release that has some, before";
             faults.entry(*at).or_insert_with(|| fault.limit(limit));
         }
         if faults.is_empty() {

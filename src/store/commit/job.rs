@@ -98,10 +98,9 @@ pub struct Spent {
 pub enum ErasureStep {
     /// It is asked for, at this time.
     Begin(NewErasure, Stamp),
-    /// So many keyframes were removed from the map.
-    Count(u64),
-    /// Keyframes were removed from this release of it.
-    CountRelease(MapKey),
+    /// So many keyframes are to be removed from the map, and some from these releases of it. Written once, before the first of
+    /// them is.
+    Count(u64, Vec<MapKey>),
     /// Nothing in this map, or this release of it, names what is gone any more.
     RemoveTraces(MapKey, Vec<SessionId>),
     /// All is removed.
@@ -269,6 +268,8 @@ pub enum Job {
         model: Arc<str>,
         /// The answer, as received.
         answer: Arc<str>,
+        /// The erasures when it was asked for: after another one it is not kept.
+        erasures: i64,
     },
     /// A job asks a map's verdicts again.
     StartJudgement(MapKey, Box<Judgement>),

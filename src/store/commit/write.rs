@@ -96,8 +96,8 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         Job::KeepFrames { map, version, frames } => {
             frame_rows::keep(rows.db().await?, *map, *version, frames).await
         }
-        Job::KeepAnswer { key, operation, model, answer } => {
-            model_rows::keep_answer(rows.db().await?, key, operation, model, answer).await
+        Job::KeepAnswer { key, operation, model, answer, erasures } => {
+            model_rows::keep_answer(rows.db().await?, key, (operation, model), answer, *erasures).await
         }
         Job::ForgetAway => model_rows::forget_away(rows.db().await?).await,
         Job::Spend(spent) => model_rows::spend(rows.db().await?, spent).await,
@@ -111,10 +111,12 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
 async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Result<(), StoreError> {
     match step {
         ErasureStep::Begin(asked, at) => erasure_rows::begin(db, of, asked, *at).await,
-        ErasureStep::Count(keyframes) => erasure_rows::count(db, of, (*keyframes, 0)).await,
-        ErasureStep::CountRelease(release) => {
-            erasure_rows::count(db, of, (0, 1)).await?;
-            release_rows::count_erasure(db, *release).await
+        ErasureStep::Count(keyframes, releases) => {
+            erasure_rows::count(db, of, (*keyframes, releases.len() as u64)).await?;
+            for release in releases {
+                release_rows::count_erasure(db, *release).await?;
+            }
+            Ok(())
         }
         ErasureStep::RemoveTraces(map, sessions) => {
             note_rewrite(db, *map).await?;

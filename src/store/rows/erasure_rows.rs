@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::decode;
 use super::statement::run;
 use crate::domain::erasure::{Erasure, ErasureState, MergedInVersion, NewErasure};
-use crate::domain::ids::{KeyframeId, MapId, SessionId};
+use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Connection, Row};
@@ -31,6 +31,8 @@ pub struct OpenErasure {
     pub number: u64,
     /// The keyframes or sessions to be removed; `None` once they are.
     pub asked: Option<NewErasure>,
+    /// Whether it is counted what is to be removed; before that, nothing is.
+    pub is_counted: bool,
 }
 
 /// Writes an erasure that begins.
@@ -57,14 +59,13 @@ pub(in crate::store) async fn begin(
     run(db, sql::query(sweep).bind(map).bind(number as i64 - ERASURES_KEPT)).await
 }
 
-/// Counts what was removed from the map, and from one more release of it.
+/// Counts the keyframes that are to be removed from the map, and the releases that some are to be removed from.
 pub(in crate::store) async fn count(
     db: &mut Connection,
     (map, number): (MapKey, u64),
     (keyframes, releases): (u64, u64),
 ) -> Result<(), StoreError> {
-    let update = "update erasures set keyframes = keyframes + $3, releases = releases + $4
-        where map_key = $1 and number = $2";
+    let update = "update erasures set keyframes = $3, releases = $4 where map_key = $1 and number = $2";
     let query = sql::query(update).bind(map).bind(number as i64);
     run(db, query.bind(keyframes as i64).bind(releases as i64)).await
 }
@@ -108,13 +109,15 @@ impl Store {
 
     /// Returns the erasures that are not done, by map and number.
     pub async fn open_erasures(&self) -> Result<Vec<OpenErasure>, StoreError> {
-        let select = "select m.id, e.map_key, e.number, e.asked from erasures e join maps m using (map_key)
+        let select = "select m.id, e.map_key, e.number, e.asked, e.keyframes + e.releases
+            from erasures e join maps m using (map_key)
             where e.state <> 'done' and m.deleted = 0 order by e.map_key, e.number";
-        let rows: Vec<(String, MapKey, i64, Option<String>)> =
+        let rows: Vec<(String, MapKey, i64, Option<String>, i64)> =
             sql::query_as(select).fetch_all(&self.readers).await?;
-        let open = |(map, key, number, asked): (String, MapKey, i64, Option<String>)| {
+        let open = |(map, key, number, asked, counted): (String, MapKey, i64, Option<String>, i64)| {
             let asked = asked.as_deref().map(read_asked).transpose()?;
-            Ok(OpenErasure { map: decode::id(&map)?, key, number: number.unsigned_abs(), asked })
+            let (number, is_counted) = (number.unsigned_abs(), counted > 0);
+            Ok(OpenErasure { map: decode::id(&map)?, key, number, asked, is_counted })
         };
         rows.into_iter().map(open).collect()
     }
@@ -142,6 +145,23 @@ impl Store {
             })
         };
         rows.into_iter().map(merge).collect()
+    }
+
+    /// Returns the sessions in whose frames the map or a release of it has prior anchors.
+    pub async fn frames_of_plans(
+        &self,
+        map: MapKey,
+    ) -> Result<Vec<(Option<ReleaseName>, SessionId)>, StoreError> {
+        let select = "select distinct r.name, s.id from prior_anchors p
+            left join releases r on r.release_key = p.map_key
+            join sessions s on s.map_key = p.map_key and s.session = p.frame
+            where p.map_key = $1 or r.map_key = $1";
+        let rows: Vec<(Option<String>, String)> =
+            sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
+        let frame = |(release, session): (Option<String>, String)| {
+            Ok((release.as_deref().map(decode::id).transpose()?, decode::id(&session)?))
+        };
+        rows.into_iter().map(frame).collect()
     }
 
     /// Whether changes of the map wait to be brought into their rows.

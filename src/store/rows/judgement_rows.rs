@@ -185,6 +185,7 @@ pub(in crate::store) async fn advance(
     let query = query.bind(changed as i64).bind(unchanged as i64).bind(gone as i64).bind(failed as i64);
     run(&mut *db, query.bind(progress.is_over)).await?;
     let Some(position) = &progress.position else { return Ok(()) };
+    // Texts that were erased meanwhile are no position: it stays at the question before, and this one is not there to be asked.
     let (operation, crop, texts) = match position {
         PastQuestion::Crop { keyframe, detection } => (CROP, Some((keyframe.0, *detection)), None),
         PastQuestion::Texts { function, class, a, b } => (function.as_str(), None, Some((class, a, b))),
@@ -192,11 +193,41 @@ pub(in crate::store) async fn advance(
     let update =
         "update judgements set at_operation = $3, at_keyframe = $4, at_detection = $5, at_class = $6,
             at_a = $7, at_b = $8
-        where map_key = $1 and id = $2";
+        where map_key = $1 and id = $2 and ($3 = 'crop' or exists (select 1 from model_verdicts
+            where map_key = $1 and operation = $3 and class = $6 and a = $7 and b = $8))";
     let query = sql::query(update).bind(map).bind(progress.id.as_str()).bind(operation);
     let query = query.bind(crop.map(|(keyframe, _)| keyframe)).bind(crop.map(|(_, detection)| detection));
     let query = query.bind(texts.map(|(class, ..)| &**class)).bind(texts.map(|(_, a, _)| &**a));
     run(db, query.bind(texts.map(|(.., b)| &**b))).await
+}
+
+/// Has the running jobs of a map stand at a question that the map knows: the last one before theirs.
+pub(in crate::store) async fn step_back(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
+    let select = "select * from judgements j where map_key = $1 and state = 'running' and at_a is not null
+        and not exists (select 1 from model_verdicts v where v.map_key = j.map_key and v.operation = j.at_operation
+            and v.class = j.at_class and v.a = j.at_a and v.b = j.at_b)";
+    for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
+        let before = "select operation, class, a, b from model_verdicts where map_key = $1
+            and (operation, class, a, b) < ($2, $3, $4, $5) order by operation desc, class desc, a desc, b desc limit 1";
+        let query = sql::query_as(before).bind(map);
+        let query =
+            query.bind(row.try_get::<&str, _>("at_operation")?).bind(row.try_get::<&str, _>("at_class")?);
+        let query = query.bind(row.try_get::<&str, _>("at_a")?).bind(row.try_get::<&str, _>("at_b")?);
+        let found: Option<(String, String, String, String)> = query.fetch_optional(&mut *db).await?;
+        let past_crops = found.is_none().then_some(i64::from(u32::MAX));
+        let (operation, class, a, b) = match found {
+            Some((operation, class, a, b)) => (operation, Some(class), Some(a), Some(b)),
+            // All crops are past.
+            None => (CROP.to_owned(), None, None, None),
+        };
+        let update = "update judgements set at_operation = $3, at_class = $4, at_a = $5, at_b = $6,
+                at_keyframe = $7, at_detection = $8
+            where map_key = $1 and id = $2";
+        let query = sql::query(update).bind(map).bind(row.try_get::<&str, _>("id")?).bind(operation);
+        let query = query.bind(class).bind(a).bind(b).bind(past_crops).bind(past_crops.map(|_| u16::MAX));
+        run(&mut *db, query).await?;
+    }
+    Ok(())
 }
 
 fn read(row: &Row) -> Result<Judgement, StoreError> {

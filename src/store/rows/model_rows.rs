@@ -171,16 +171,35 @@ pub(in crate::store) async fn forget_away(db: &mut Connection) -> Result<(), Sto
     run(db, sql::query(delete)).await
 }
 
+/// The number of erasures that were ever asked for: those of deleted maps are forgotten.
+const ERASURES: &str = "(select cast(coalesce(sum(last), 0) as bigint)
+    from (select max(number) as last from erasures group by map_key) as of_maps)";
+
+impl Store {
+    /// Returns the erasures so far, for an answer that is asked for now; `None` while one is under way: its map may still hold
+    /// the text, and the answer repeat it.
+    pub async fn erasures_so_far(&self) -> Result<Option<i64>, StoreError> {
+        let select = format!(
+            "select case when exists (select 1 from erasures where state = 'removing') then null else {ERASURES} end"
+        );
+        Ok(sql::query_scalar(sqlx::AssertSqlSafe(select)).fetch_one(&self.readers).await?)
+    }
+}
+
+/// Keeps a model's answer, unless something was erased since it was asked for: that may be what it speaks of.
 pub(in crate::store) async fn keep_answer(
     db: &mut Connection,
     key: &[u8; 32],
-    operation: &str,
-    model: &str,
+    (operation, model): (&str, &str),
     answer: &str,
+    erasures: i64,
 ) -> Result<(), StoreError> {
-    let insert = "insert into model_answers (key, operation, model, answer) values ($1, $2, $3, $4)
-        on conflict (key) do update set answer = excluded.answer";
-    run(db, sql::query(insert).bind(&key[..]).bind(operation).bind(model).bind(answer)).await?;
+    let insert = format!(
+        "insert into model_answers (key, operation, model, answer) select $1, $2, $3, $4 where {ERASURES} = $5
+        on conflict (key) do update set answer = excluded.answer"
+    );
+    let query = sql::query(sqlx::AssertSqlSafe(insert)).bind(&key[..]).bind(operation).bind(model);
+    run(db, query.bind(answer).bind(erasures)).await?;
     let sweep = "delete from model_answers where kept <= (select max(kept) from model_answers) - $1";
     run(db, sql::query(sweep).bind(ANSWERS_KEPT)).await
 }

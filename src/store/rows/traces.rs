@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::column::integers_of;
 use super::decode;
 use super::former_value_rows::{packed, unpacked};
+use super::judgement_rows;
 use super::read::sent_points;
 use super::statement::run;
 use crate::domain::ids::{PointId, SessionId, SessionSeq};
@@ -39,6 +40,19 @@ const STATEMENTS: &[&str] = &[
         and cast(json_extract(body, '$.anchor') as bigint) not in (select anchor from anchors where map_key = $1)",
 ];
 
+/// The same of what was asked of a session, which is the second parameter: its points, and the plans in its frame.
+const OF_SESSION: &[&str] = &[
+    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'observations'
+        and cast(json_extract(body, '$.session') as bigint) = $2",
+    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'prior_deleted'
+        and json_extract(body, '$.id') in (select json_extract(body, '$.id') from operations where map_key = $1
+            and json_extract(body, '$.operation') = 'prior' and cast(json_extract(body, '$.frame') as bigint) = $2)
+        and json_extract(body, '$.id') not in (select json_extract(body, '$.id') from operations where map_key = $1
+            and json_extract(body, '$.operation') = 'prior' and cast(json_extract(body, '$.frame') as bigint) <> $2)",
+    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'prior'
+        and cast(json_extract(body, '$.frame') as bigint) = $2",
+];
+
 /// Removes the traces of keyframes that are gone from a map, and of sessions that are erased with them.
 pub(in crate::store) async fn remove(
     db: &mut Connection,
@@ -50,6 +64,9 @@ pub(in crate::store) async fn remove(
     }
     let mut erased = BTreeSet::new();
     for session in sessions {
+        // It may have asked a release without a keyframe in it.
+        let delete = "delete from release_uses where map_key = $1 and session = $2";
+        run(db, sql::query(delete).bind(map).bind(session.as_str())).await?;
         for part in with_merged(db, map, session).await? {
             erased.extend(forget_session(db, map, &part).await?);
         }
@@ -59,6 +76,7 @@ pub(in crate::store) async fn remove(
     }
     remove_former_values(db, map, &erased).await?;
     remove_verdicts(db, map).await?;
+    judgement_rows::step_back(db, map).await?;
     run(db, sql::query("delete from model_answers")).await
 }
 
@@ -79,7 +97,8 @@ async fn with_merged(
     ids.iter().map(|id| decode::id(id)).collect()
 }
 
-/// Takes the names of keyframes that are gone from loops: which session they were of is not known any more.
+/// Takes the names of keyframes that are gone from loops, and what was measured between them: which session they were of is not
+/// known any more. Nothing else reads either.
 async fn forget_names_in_loops(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
     for (number, name) in [("keyframe", "keyframe_id"), ("candidate", "candidate_id")] {
         let gone =
@@ -90,7 +109,9 @@ async fn forget_names_in_loops(db: &mut Connection, map: MapKey) -> Result<(), S
                 from loops where {gone}), 0) where map_key = $1"
         );
         run(db, sql::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
-        let update = format!("update loops set {name} = 'erased-' || {number} where {gone}");
+        let update = format!(
+            "update loops set {name} = 'erased-' || {number}, candidate_from_query = null where {gone}"
+        );
         run(db, sql::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
     }
     Ok(())
@@ -102,8 +123,6 @@ async fn forget_session(
     map: MapKey,
     session: &SessionId,
 ) -> Result<Option<SessionSeq>, StoreError> {
-    let delete = "delete from release_uses where map_key = $1 and session = $2";
-    run(db, sql::query(delete).bind(map).bind(session.as_str())).await?;
     let select = "select session from sessions s where map_key = $1 and id = $2
         and not exists (select 1 from keyframes k where k.map_key = $1 and k.session = s.session)
         and not exists (select 1 from prior_anchors p where p.map_key = $1 and p.frame = s.session)";
@@ -120,6 +139,9 @@ async fn forget_session(
     run(db, sql::query(update).bind(map).bind(session.as_str()).bind(&name)).await?;
     let update = "update sessions set id = $3 where map_key = $1 and session = $2";
     run(db, sql::query(update).bind(map).bind(number).bind(name)).await?;
+    for delete in OF_SESSION {
+        run(db, sql::query(*delete).bind(map).bind(number)).await?;
+    }
     Ok(Some(SessionSeq(number)))
 }
 
@@ -153,10 +175,11 @@ async fn remove_former_values(
             points.extend(observed.into_iter().map(|point| (session, point)));
         }
     }
+    let held = with_those_that_held(db, map, erased).await?;
     for (version, part, kind, entries) in parts {
         let mut former = unpacked(Kind::from_name(&kind)?, &entries)?;
         let stays = |session: SessionSeq, point| {
-            !erased.contains(&session) && points.contains(&(whole(session), point))
+            !held.contains(&session) && points.contains(&(whole(session), point))
         };
         former.poses.retain(|(keyframe, _)| keyframes.contains(&keyframe.0));
         former.positions.retain(|(keyframe, ..)| keyframes.contains(&keyframe.0));
@@ -174,6 +197,24 @@ async fn remove_former_values(
         }
     }
     Ok(())
+}
+
+/// Returns erased sessions with those that they were merged into for a while: former positions of these are of either.
+async fn with_those_that_held(
+    db: &mut Connection,
+    map: MapKey,
+    erased: &BTreeSet<SessionSeq>,
+) -> Result<BTreeSet<SessionSeq>, StoreError> {
+    let select = "select cast(json_extract(body, '$.session') as bigint), cast(json_extract(body, '$.into') as bigint)
+        from operations where map_key = $1 and json_extract(body, '$.operation') = 'merge_sessions' order by version";
+    let merges: Vec<(i64, i64)> = sql::query_as(select).bind(map).fetch_all(db).await?;
+    let mut held: BTreeSet<i64> = erased.iter().map(|session| i64::from(session.0)).collect();
+    for (session, into) in merges {
+        if held.contains(&session) {
+            held.insert(into);
+        }
+    }
+    Ok(held.into_iter().map(|session| SessionSeq(session as u32)).collect())
 }
 
 /// Removes verdicts of models about texts that nothing in the map carries any more.
