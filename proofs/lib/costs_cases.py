@@ -188,14 +188,14 @@ def seen_by_all(ground, points, keyframes, content=observed):
     return ground.map(keyframe(n, content(points), id=f"kf-{n}") for n in range(keyframes))
 
 
-@case("change_observations", "replaced", body=(400, 500), map=(160, 600))
+@case("change_observations", "replaced", body=(400, 500), map=(160, 400))
 def points_fused_that_every_keyframe_sees(ground, body, many, most):
     while True:
         path = seen_by_all(ground, most, many)
         yield ask("POST", f"{path}/observations", {"replaced": [[n, 100_000 + n] for n in range(body)]})
 
 
-@case("change_observations", "replaced", body=(400, 10_000), map=(100, 400))
+@case("change_observations", "replaced", body=(400, 2_000), map=(100, 300))
 def points_fused_into_one_that_every_keyframe_sees(ground, body, many, most):
     while True:
         path = seen_by_all(ground, most, many)
@@ -216,7 +216,7 @@ def points_fused_that_many_anchors_have(ground, body, many, most):
         yield ask("POST", f"{path}/observations", {"replaced": [[n, 100_000 + n] for n in range(body)]})
 
 
-@case("change_observations", "removed", body=(400, 500), map=(160, 600))
+@case("change_observations", "removed", body=(400, 500), map=(160, 400))
 def points_culled_that_every_keyframe_sees(ground, body, many, most):
     while True:
         path = seen_by_all(ground, most, many)
