@@ -277,7 +277,9 @@ fn keyframes_of<'a>(
 ) -> Box<dyn Iterator<Item = &'a Keyframe> + 'a> {
     match asked {
         NewErasure::Keyframes(ids) => {
-            Box::new(ids.iter().filter_map(|id| index.keyframe(index.keyframe_seq(id)?)))
+            // A client may name one twice.
+            let named: BTreeSet<KeyframeSeq> = ids.iter().filter_map(|id| index.keyframe_seq(id)).collect();
+            Box::new(named.into_iter().filter_map(|seq| index.keyframe(seq)))
         }
         NewErasure::Sessions(ids) => {
             let sessions: BTreeSet<_> = ids.iter().filter_map(|id| index.session(id)).collect();
