@@ -37,6 +37,7 @@ MAP = {
     "delete_map": Allowed(1, 4, EVERY_FACT),
     "take_backup": Allowed(1, 6, EVERY_FACT),
     "erase": Allowed(1, 20, "writes the file of the database anew"),
+    "get_changes": Allowed(1, 0.5, "compares the two versions whole"),
     ("put_map", "a copy of a map"): Allowed(1, 2, EVERY_FACT),
     "patch_map": Allowed(1, 2, EVERY_TEXT),
     "listen": Allowed(1, 1, "sends each event since the one that is named"),

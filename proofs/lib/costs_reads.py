@@ -127,7 +127,7 @@ reads("get_keyframe", "keyframes in a row", constant("/keyframes/kf-0"), of_keyf
 reads("get_keyframe", "points that every keyframe sees", constant("/keyframes/kf-0"), of_shared_points, (200, 1_600))
 reads("list_covisible", "neighbours of each other", constant("/keyframes/kf-0/covisible"), of_neighbours, (400, 2_000))
 reads("list_covisible", "points that every keyframe sees", constant("/keyframes/kf-0/covisible"), of_shared_points, (200, 1_600))
-reads("get_local_anchor_map", "neighbours with signs of their own", constant("/keyframes/kf-0/local-anchor-map"), of_neighbours_with_signs, (100, 800))
+reads("get_local_anchor_map", "neighbours with signs of their own", constant("/keyframes/kf-0/local-anchor-map"), of_neighbours_with_signs, (100, 400))
 reads("list_anchors", "a page of many texts", constant("/anchors?limit=100"), of_texts, (2_000, 16_000))
 reads("list_anchors", "words that no text has", constant("/anchors?limit=100&text=room%20nowhere"), of_texts, (2_000, 16_000))
 reads("list_anchors", "words that every text has", constant("/anchors?limit=100&text=room"), of_texts, (2_000, 16_000))
@@ -166,11 +166,11 @@ def described(text):
 
 
 of_anchor("get_anchor", "signs that all say EXIT", of_equal_signs, (1_000, 16_000), lambda path, turn: ask("GET", path))
-of_anchor("get_anchor", "a sign that every keyframe saw", of_one_sign, (400, 8_000), lambda path, turn: ask("GET", path))
+of_anchor("get_anchor", "a sign that every keyframe saw", of_one_sign, (400, 1_600), lambda path, turn: ask("GET", path))
 of_anchor("get_crop", "a sign with a crop in every keyframe", of_crops, (200, 2_000), lambda path, turn: ask("GET", f"{path}/crop"))
 of_anchor("get_transcript", "a sign with a crop in every keyframe", of_crops, (200, 2_000), lambda path, turn: ask("GET", f"{path}/transcript"))
 of_anchor("patch_anchor", "signs that all say EXIT", of_equal_signs, (1_000, 16_000), described(lambda turn: "EXIT" if turn % 2 else "Exit door"))
-of_anchor("patch_anchor", "a sign that every keyframe saw", of_one_sign, (400, 8_000), described(lambda turn: f"Room {turn}"))
+of_anchor("patch_anchor", "a sign that every keyframe saw", of_one_sign, (400, 1_600), described(lambda turn: f"Room {turn}"))
 of_anchor("patch_anchor", "many texts", of_texts, (2_000, 16_000), described(lambda turn: f"Room {turn}"))
 
 
@@ -182,7 +182,14 @@ def of_words(ground, many):
 of_anchor("patch_anchor", "texts of the same words in another order", of_words, (1_000, 16_000), described(lambda turn: shuffled(1_000_000 + turn)))
 
 
-@case("delete_anchor", map=(400, 8_000))
+@case("put_keyframe", map=(400, 1_600))
+def one_more_that_reads_a_sign_otherwise_than_every_keyframe(ground, body, many, most):
+    path = ground.once(("of_one_sign", many), lambda: of_one_sign(ground, many))
+    for n in ground.numbers:
+        yield ask("PUT", f"{path}/keyframes/more-{n}", keyframe(many, signs(1, lambda i: f"Saal {n}")))
+
+
+@case("delete_anchor", map=(400, 1_600))
 def a_sign_that_every_keyframe_saw(ground, body, many, most):
     while True:
         path = of_one_sign(ground, many)
@@ -241,7 +248,7 @@ def a_stored_keyframe_in_a_row(ground, body, many, most):
         yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
 
 
-@case("query_loop", map=(100, 800))
+@case("query_loop", map=(100, 400))
 def a_stored_keyframe_whose_neighbours_have_signs_of_their_own(ground, body, many, most):
     path = ground.once(("of_neighbours_with_signs", many), lambda: of_neighbours_with_signs(ground, many))
     for turn in ground.numbers:
