@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 # Noise of a busy machine, and what is too little to be judged.
-NOISE, IGNORED_S = 1.5, 0.03
+NOISE, IGNORED_S = 2.0, 0.05
 FOLD = 4
 
 
@@ -21,7 +21,8 @@ class Allowed(NamedTuple):
 
 EVERY_FACT = "reads, writes or removes each fact of the map"
 EVERY_TEXT = "judges each text of the map anew"
-SEEN = "changes each keyframe that sees the points"
+SEEN = "compares each two keyframes that see a changed point, 200 million pairs at most in a request"
+NAMED = "weighs each sign of the map that may be the one that is seen"
 PLACED = "moves the box of each anchor that has the points"
 MOVED = "moves each keyframe of the session"
 JOINED = "computes the frame of each session anew"
@@ -37,9 +38,11 @@ MAP = {
     "delete_map": Allowed(1, 4, EVERY_FACT),
     "take_backup": Allowed(1, 6, EVERY_FACT),
     "erase": Allowed(1, 20, "writes the file of the database anew"),
+    ("erase", "a session of many that merged one into the next"): Allowed(2, 20, "follows the merges of each session by itself"),
     "get_changes": Allowed(1, 0.5, "compares the two versions whole"),
     ("put_map", "a copy of a map"): Allowed(1, 2, EVERY_FACT),
     "patch_map": Allowed(1, 2, EVERY_TEXT),
+    ("patch_map", "the least of shared points where every keyframe sees all"): Allowed(2, 6, "counts anew what each two keyframes share"),
     "listen": Allowed(1, 1, "sends each event since the one that is named"),
     "merge_sessions": Allowed(1, 4, MOVED),
     "revoke_merge": Allowed(1, 4, MOVED),
@@ -49,12 +52,15 @@ MAP = {
     ("revoke_loop", "one of many between many sessions"): Allowed(1, 1, JOINED),
     ("list_maps", "maps that patterns of a key hardly miss"): Allowed(1, 1, LOOKED),
     ("list_anchors", "words that no text has"): Allowed(1, 0.5, LOOKED),
-    ("change_observations", "points fused that every keyframe sees"): Allowed(1, 10, SEEN),
-    ("change_observations", "points fused into one that every keyframe sees"): Allowed(1, 10, SEEN),
-    ("change_observations", "points culled that every keyframe sees"): Allowed(1, 10, SEEN),
+    ("change_observations", "points fused that every keyframe sees"): Allowed(2, 6, SEEN),
+    ("change_observations", "points fused into one that every keyframe sees"): Allowed(2, 6, SEEN),
+    ("change_observations", "points culled that every keyframe sees"): Allowed(2, 6, SEEN),
     ("change_observations", "points fused that many anchors have"): Allowed(1, 4, PLACED),
     ("change_observations", "points culled that many anchors have"): Allowed(1, 4, PLACED),
     ("correct_poses", "places of points that many anchors have"): Allowed(1, 4, PLACED),
+    ("query_loop", "signs that all say EXIT in one place"): Allowed(1, 2, NAMED),
+    ("query_loop", "signs that all say EXIT apart"): Allowed(1, 2, NAMED),
+    ("query_loop", "signs of another number each in one place"): Allowed(1, 2, NAMED),
     ("query_loop", "words that every keyframe has"): Allowed(1, 1, POSTED),
     ("query_loop", "words that every keyframe has, of another session"): Allowed(1, 1, POSTED),
     ("put_keyframe", "words that every keyframe has, with its query"): Allowed(1, 1, POSTED),
