@@ -178,6 +178,9 @@ impl Service {
             spawn_blocking(in_part("erase", change)).await.map_err(ServiceError::panicked)??;
             self.registry.forget_over(&live.id);
         }
+        if let Some(models) = &self.models {
+            models.note_erasure();
+        }
         let _owned = self.own(&erasure.map).await?;
         self.step(erasure, ErasureStep::Removed).await
     }

@@ -2,6 +2,7 @@
 
 use std::future::Future;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use moka::future::Cache;
 use sha2::{Digest as _, Sha256};
@@ -21,12 +22,29 @@ pub type Key = [u8; 32];
 pub struct AnswerCache {
     memory: Cache<Key, Arc<str>>,
     store: Store,
+    /// Erasures of this server so far.
+    erasures: Arc<AtomicU64>,
 }
+
+/// When something was asked for, as erasures are counted: a question may be one of several, and be sent only when what it speaks of
+/// is erased.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AskedFor(u64);
 
 impl AnswerCache {
     /// Returns a cache over this database.
     pub fn new(store: Store) -> Self {
-        Self { memory: Cache::new(IN_MEMORY), store }
+        Self { memory: Cache::new(IN_MEMORY), store, erasures: Arc::default() }
+    }
+
+    /// Returns the moment of something that is asked for now.
+    pub fn now(&self) -> AskedFor {
+        AskedFor(self.erasures.load(Ordering::Acquire))
+    }
+
+    /// Has nothing be kept that was asked for before: it may speak of what is erased now.
+    pub fn note_erasure(&self) {
+        self.erasures.fetch_add(1, Ordering::AcqRel);
     }
 
     /// Returns the answer from memory, from disk, or by calling the model. A new answer is on disk before it is
@@ -34,8 +52,8 @@ impl AnswerCache {
     pub async fn get_or_ask(
         &self,
         key: Key,
-        operation: &'static str,
-        model: Arc<str>,
+        (operation, model): (&'static str, Arc<str>),
+        asked_for: AskedFor,
         ask: impl Future<Output = Result<String, Fault>>,
     ) -> Result<Arc<str>, Fault> {
         let find = async {
@@ -46,7 +64,7 @@ impl AnswerCache {
             let erasures = self.store.erasures_so_far().await;
             let erasures = erasures.map_err(|error| Fault::Store(error.to_string()))?;
             let answer: Arc<str> = ask.await?.into();
-            if let Some(erasures) = erasures {
+            if let Some(erasures) = erasures.filter(|_| asked_for == self.now()) {
                 let job = Job::KeepAnswer { key, operation, model, answer: answer.clone(), erasures };
                 let kept = self.store.committer().commit(job).await;
                 kept.map_err(|error| Fault::Store(error.to_string()))?;

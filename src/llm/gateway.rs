@@ -13,7 +13,7 @@ use tracing::Instrument as _;
 
 use super::breaker::Breaker;
 use super::budget::Budget;
-use super::cache::{AnswerCache, key};
+use super::cache::{AnswerCache, AskedFor, key};
 use super::daily_limits::{Payer, Prices};
 use super::picture::Picture;
 use super::port::{Fault, Model, Question, Reply};
@@ -96,6 +96,7 @@ pub struct Gateway {
     policy: Policy,
     shared: Arc<Shared>,
     payer: Option<Payer>,
+    asked_for: AskedFor,
 }
 
 /// An answer, and whether it was cached.
@@ -111,12 +112,13 @@ impl Gateway {
     /// Returns the gateway to a model.
     pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
         let name = model.name().into();
-        Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None }
+        let asked_for = AskedFor::default();
+        Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None, asked_for }
     }
 
-    /// Returns a copy whose calls are charged to this payer.
+    /// Returns a copy for what is asked for now, whose calls are charged to this payer.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
-        Self { payer, ..self.clone() }
+        Self { payer, asked_for: self.shared.cache.now(), ..self.clone() }
     }
 
     /// Returns `model:<name>`.
@@ -177,7 +179,8 @@ impl Gateway {
             self.call(&question).await.map(|reply| reply.content)
         };
         let (key, operation) = (key(&*self.model, &question), question.operation());
-        let found = self.shared.cache.get_or_ask(key, operation.as_str(), self.name.clone(), ask).await;
+        let of = (operation.as_str(), self.name.clone());
+        let found = self.shared.cache.get_or_ask(key, of, self.asked_for, ask).await;
         let cached = !called.load(Ordering::Relaxed);
         match found {
             Ok(content) => {

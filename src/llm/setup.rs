@@ -118,6 +118,11 @@ impl Models {
         }
     }
 
+    /// Has no answer be kept that was asked for before.
+    pub fn note_erasure(&self) {
+        self.shared.cache.note_erasure();
+    }
+
     /// Returns the budget.
     pub fn budget(&self) -> &Budget {
         &self.shared.budget

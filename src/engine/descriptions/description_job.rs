@@ -6,6 +6,7 @@ use tokio::task::spawn_blocking;
 
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::domain::judgement::{PastQuestion, TextFunction};
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
@@ -14,6 +15,7 @@ use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
 use crate::recognition::anchors::description_tasks::DescriptionTask;
+use crate::recognition::anchors::rejudging::asked_today;
 use crate::recognition::map::index::MapIndex;
 
 /// Who says that a crop is no image.
@@ -34,6 +36,13 @@ impl Service {
         models: &Models,
         lack: DescriptionTask,
     ) -> Result<(), Fault> {
+        // It was found in the map as it was before: an erasure may have come between.
+        if let Some(question) = about_texts(&lack) {
+            let look = self.look(live, move |state| Ok(asked_today(&state.index, &question).is_some()));
+            if !look.await?.1 {
+                return Ok(());
+            }
+        }
         let Some(ModelAnswer { answer, degraded }) = self.ask(live, models, lack).await? else {
             return Ok(());
         };
@@ -165,4 +174,15 @@ fn undecodable(answer: String) -> Described {
         degraded: false,
         transcript: vec![step],
     }
+}
+
+/// Returns the question of a task, if it is about texts of one class.
+fn about_texts(lack: &DescriptionTask) -> Option<PastQuestion> {
+    let (function, class, a, b) = match lack {
+        DescriptionTask::Information { class, text } => (TextFunction::Information, class, text, ""),
+        DescriptionTask::Similarity { class, a, b } => (TextFunction::Similarity, class, a, &**b),
+        DescriptionTask::Merge { class, a, b, .. } => (TextFunction::Merge, class, a, &**b),
+        DescriptionTask::Reading { .. } | DescriptionTask::Embedding { .. } => return None,
+    };
+    Some(PastQuestion::Texts { function, class: class.clone(), a: a.clone(), b: b.into() })
 }
