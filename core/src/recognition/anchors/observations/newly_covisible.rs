@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::domain::change::PointsOfKeyframe;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::point_list::PointList;
 use crate::recognition::map::index::{Covisibility, MapIndex};
 
 /// The covisibility of some keyframes, before they observe other points.
@@ -58,7 +59,7 @@ impl CovisibleBefore {
         let mut points = Vec::new();
         for now in changed {
             let before: BTreeSet<PointId> =
-                observed(now.keyframe).into_iter().flat_map(|of| of.iter()).collect();
+                observed(now.keyframe).into_iter().flat_map(PointList::iter).collect();
             let now: BTreeSet<PointId> = now.observes.iter().collect();
             points.extend(before.symmetric_difference(&now));
         }
@@ -69,7 +70,7 @@ impl CovisibleBefore {
             let others = now.declared.iter().flatten().map(|(other, _)| *other);
             KeyframeBefore {
                 keyframe,
-                observed: places(&points, observed(keyframe).into_iter().flat_map(|of| of.iter())),
+                observed: places(&points, observed(keyframe).into_iter().flat_map(PointList::iter)),
                 along_drive: index.covisibility().along_drive(keyframe),
                 declared: others.filter(|other| !index.covisibility().joins(keyframe, *other)).collect(),
             }
