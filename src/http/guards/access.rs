@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
+use axum::http::HeaderValue;
 use axum::http::header::{ALLOW, AUTHORIZATION, HOST};
 use axum::http::request::Parts;
 use axum::middleware::Next;
@@ -120,7 +121,7 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
         Permission::Action(action) => Some(action),
     };
     // Nobody means it: a web page, or a proxy, has cut it off.
-    if parts.headers.get_all(HOST).iter().any(|host| host.is_empty()) {
+    if parts.headers.get_all(HOST).iter().any(HeaderValue::is_empty) {
         return Err(
             Problem::new(Kind::BAD_REQUEST, "`host` is empty: it names the server that is asked").into()
         );
