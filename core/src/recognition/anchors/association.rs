@@ -160,7 +160,7 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
 /// The place of a detection.
 struct Sight<'d> {
     points: &'d [PointId],
-    /// Where those of the points are that are triangulated. Looked up once: it is held against every object nearby.
+    /// The places of those points that are triangulated. Looked up once: it is held against every object nearby.
     placed: Vec<Point3>,
     /// In the frame of its keyframe's session.
     position: Option<Point3>,

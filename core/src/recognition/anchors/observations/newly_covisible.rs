@@ -32,7 +32,7 @@ struct KeyframeBefore {
 
 /// The keyframes that observe each of some points.
 struct Observers {
-    /// Where the list of each point begins, and where the last one ends.
+    /// The beginning of each point's list, and the end of the last one.
     begins: Vec<usize>,
     keyframes: Vec<KeyframeSeq>,
 }
