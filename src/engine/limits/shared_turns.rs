@@ -17,7 +17,7 @@ tokio::task_local! {
     static KEY: KeySeq;
 }
 
-/// Whose requests share a part of the server: those of a key, or where a request brings none, those of a map.
+/// A party whose requests share a part of the server: a key, or where a request brings none, a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::engine) enum Tenant {
     Key(KeySeq),
