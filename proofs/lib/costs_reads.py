@@ -241,33 +241,35 @@ def a_map_of_keyframes_in_a_row(ground, body, many, most):
         yield ask("DELETE", of_keyframes(ground, many))
 
 
+def stored_queries(ground, path):
+    """A question about a stored keyframe again and again, each with a seed of its own."""
+    for turn in ground.numbers:
+        yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
+
+
 @case("query_loop", map=(400, 8_000))
 def a_stored_keyframe_in_a_row(ground, body, many, most):
     path = ground.once(("of_keyframes", many), lambda: of_keyframes(ground, many))
-    for turn in ground.numbers:
-        yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
+    yield from stored_queries(ground, path)
 
 
 @case("query_loop", map=(100, 400))
 def a_stored_keyframe_whose_neighbours_have_signs_of_their_own(ground, body, many, most):
     path = ground.once(("of_neighbours_with_signs", many), lambda: of_neighbours_with_signs(ground, many))
-    for turn in ground.numbers:
-        yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
+    yield from stored_queries(ground, path)
 
 
 @case("query_loop", map=(200, 1_000))
 def as_many_candidates_as_there_may_be(ground, body, many, most):
     build = lambda: ground.map((keyframe(n, words(200) | signs(5, lambda i: f"Room {i}", in_row), APART_M, id=f"kf-{n}") for n in range(many)), {"settings": {"candidates_max": 1000}})  # noqa: E731
     path = ground.once(("most candidates", many), build)
-    for turn in ground.numbers:
-        yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
+    yield from stored_queries(ground, path)
 
 
 @case("query_loop", map=(100, 600))
 def a_stored_keyframe_that_many_loops_end_at(ground, body, many, most):
     path = ground.once(("of_loops", many), lambda: of_loops(ground, many))
-    for turn in ground.numbers:
-        yield ask("POST", f"{path}/loop-queries", {"keyframe": "kf-0", "seed": turn})
+    yield from stored_queries(ground, path)
 
 
 @case("get_loop_query", map=(200, 2_000))
