@@ -2,7 +2,8 @@
 //!
 //! 1. The keyframes are deleted from the map and from each release, with the loops that name them.
 //! 2. What rows still say of them is removed ([`crate::store`], traces), and the maps are loaded anew.
-//! 3. The database's file is written anew, and its log is cut to nothing.
+//! 3. The database's file is written anew, and its log is cut to nothing. All writes wait for that, so it takes a hundredth of the time
+//!    at most: what is asked for before the next time shares it.
 //!
 //! A step that fails is tried again; a step that is repeated does no harm.
 
@@ -12,7 +13,7 @@ use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::task::spawn_blocking;
-use tokio::time::sleep;
+use tokio::time::{Instant, sleep, sleep_until};
 
 use crate::config::logging::in_part;
 use crate::domain::change::{Change, Keyframe, Loop};
@@ -37,6 +38,9 @@ const RETRY_LAST: Duration = Duration::from_mins(10);
 /// The time after which it is looked again whether older versions are read still, or changes wait for their rows.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
 
+/// The rest after the file was written anew, in times of how long that took: who erases often delays one write of others in a hundred.
+const REST: u32 = 100;
+
 /// Keyframes that one look finds.
 const FOUND_AT_ONCE: usize = 1000;
 
@@ -45,10 +49,10 @@ impl Service {
     pub(in crate::engine) fn erase_in_background(&self) {
         let (service, closing) = (self.clone(), self.closing.clone());
         tokio::spawn(closing.run_until_cancelled_owned(async move {
-            let _turn = service.erasing.lock().await;
+            let mut rewritable = service.erasing.lock().await;
             let mut rest = RETRY_FIRST;
             loop {
-                match service.erase_next().await {
+                match service.erase_next(&mut rewritable).await {
                     Ok(true) => rest = RETRY_FIRST,
                     Ok(false) => break,
                     Err(error) => {
@@ -85,8 +89,8 @@ impl Service {
         if self.store.is_shared() { self.live_in_background(map).await.map(Some) } else { Ok(None) }
     }
 
-    /// Does all that is asked for by now, and rewrites the file once. Returns whether there was anything.
-    async fn erase_next(&self) -> Result<bool, ServiceError> {
+    /// Does all that is asked for by now, and rewrites the file once, or waits until it may. Returns whether there was anything.
+    async fn erase_next(&self, rewritable: &mut Option<Instant>) -> Result<bool, ServiceError> {
         let open = self.erasures_here().await?;
         if open.is_empty() {
             return Ok(false);
@@ -104,8 +108,13 @@ impl Service {
                 Err(error) => failed = Some(error),
             }
         }
+        if let Some(at) = rewritable.take_if(|_| !removed.is_empty()) {
+            sleep_until(at).await;
+            // What was asked for meanwhile is removed first.
+            return Ok(true);
+        }
         if !removed.is_empty() {
-            self.rewrite().await?;
+            *rewritable = Some(Instant::now() + REST * self.rewrite().await?);
         }
         for erasure in &removed {
             let owned = match self.own(&erasure.map).await {
@@ -122,18 +131,18 @@ impl Service {
         failed.map_or(Ok(true), Err)
     }
 
-    /// Makes the database's file and its log anew, without what was deleted from them.
-    async fn rewrite(&self) -> Result<(), ServiceError> {
+    /// Makes the database's file and its log anew, without what was deleted from them. Returns how long writes waited for it.
+    async fn rewrite(&self) -> Result<Duration, ServiceError> {
         // Rows of deleted maps go in slices; those of later ones have no end.
         let deleted = self.store.deleted_maps().await?;
         while self.store.deleted_maps().await?.iter().any(|key| deleted.contains(key)) {
             sleep(LOOK_AGAIN).await;
         }
-        self.store.committer().renew_file().await?;
+        let of_file = self.store.committer().renew_file().await?;
         loop {
             match self.store.committer().renew_log().await {
                 Err(StoreError::Busy) => sleep(LOOK_AGAIN).await,
-                renewed => return Ok(renewed?),
+                of_log => return Ok(of_file + of_log?),
             }
         }
     }

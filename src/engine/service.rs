@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use tokio::sync::Semaphore;
+use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::backups::folder::BackupFolder;
@@ -14,7 +15,6 @@ use super::descriptions::worker::Worker;
 use super::error::ServiceError;
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
-use super::limits::export_limit::ExportLimit;
 use super::limits::load_shedding::LoadShedding;
 use super::limits::shared_turns::SharedTurns;
 use super::limits::trigger_queue::TriggerQueue;
@@ -53,9 +53,9 @@ pub struct Parts {
     pub(super) write_answer: WriteAnswer,
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,
-    pub(super) exports: ExportLimit,
-    /// Held by the one that works on erasures.
-    pub(super) erasing: Arc<tokio::sync::Mutex<()>>,
+    pub(super) exports: Arc<SharedTurns>,
+    /// Held by the one that works on erasures: when the database's file may be written anew.
+    pub(super) erasing: Arc<tokio::sync::Mutex<Option<Instant>>>,
     /// Held for reading while a map is copied, and for writing while keyframes are erased: none is erased between the snapshot of
     /// a copy and its name.
     pub(super) copying: Arc<tokio::sync::RwLock<()>>,

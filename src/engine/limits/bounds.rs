@@ -7,9 +7,12 @@ pub(in crate::engine) const WRITES_AT_ONCE: usize = 512;
 /// share it, and delay short requests. One tenant has half of them: all cores, while nobody else asks.
 pub(in crate::engine) const TURNS_PER_CORE: usize = 2;
 
-/// Maximum requests that wait for either. The limit on requests bounds them first, unless the operator or many cores
+/// Maximum requests that wait for one of these. The limit on requests bounds them first, unless the operator or many cores
 /// allow more.
 pub(in crate::engine) const WAITING_MAX: usize = 1024;
+
+/// Maximum exports, releases and copies at once: each keeps one of the store's readers, an export for as long as its client takes.
+pub(in crate::engine) const EXPORTS_AT_ONCE: usize = 4;
 
 /// Returns the number of cores that this process may use.
 pub(in crate::engine) fn cores() -> usize {

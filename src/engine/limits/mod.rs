@@ -2,7 +2,6 @@
 
 pub(super) mod bounds;
 pub(super) mod concurrency_limit;
-pub(super) mod export_limit;
 pub mod load_shedding;
 pub(super) mod quota;
 pub mod shared_turns;

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+use tokio::time::Instant;
 
 use super::feeds::Feed;
 pub(in crate::engine) use super::live_state::State;
@@ -34,6 +35,15 @@ const KEPT_UNDER_WAY_MAX: usize = 256;
 /// Reason why a database server that does not know what was written is not believed.
 const BEHIND: &str = "the one that answers is behind the one that was written to";
 
+/// What is known of a map's frames as they are kept.
+#[derive(Debug, Default)]
+pub(in crate::engine) struct FramesChecked {
+    /// The version at which they were last found to be those of the map; 0 if they never were.
+    pub version: u64,
+    /// When they may be computed in the background again.
+    pub rested: Option<Instant>,
+}
+
 /// A map that is in memory.
 #[derive(Debug)]
 pub(in crate::engine) struct LiveMap {
@@ -50,9 +60,10 @@ pub(in crate::engine) struct LiveMap {
     pub(super) gone: AtomicBool,
     /// The version of `state`.
     pub(super) newest: AtomicU64,
-    /// The version at which the kept frames were last found to be those of the map; 0 if they never were. Held while they are
-    /// read, computed and kept, so that older ones never replace newer ones.
-    pub frames_checked: tokio::sync::Mutex<u64>,
+    /// Held while the frames are read, computed and kept, so that older ones never replace newer ones.
+    pub frames_checked: tokio::sync::Mutex<FramesChecked>,
+    /// Whether somebody is to bring the frames up to date in the background, and has not begun.
+    pub frames_due: AtomicBool,
     pub(super) on_disk: watch::Sender<u64>,
     feed: Arc<Feed>,
     /// What it takes of the memory for maps.
@@ -124,7 +135,8 @@ impl LiveMap {
             line: Arc::new(AtomicBool::new(false)),
             gone: AtomicBool::new(false),
             newest: AtomicU64::new(facts.version),
-            frames_checked: tokio::sync::Mutex::new(0),
+            frames_checked: tokio::sync::Mutex::default(),
+            frames_due: AtomicBool::new(false),
             on_disk: watch::Sender::new(facts.version),
             feed,
             memory: memory.share(index.memory_bytes()),

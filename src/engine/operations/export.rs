@@ -1,17 +1,16 @@
 //! Export: a map's operations, read from the store one by one.
 
-use tokio::sync::OwnedSemaphorePermit;
-
 use super::releases::no_release;
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::recorded::Recorded;
+use crate::engine::limits::shared_turns::{Tenant, Turn};
 use crate::engine::{Service, ServiceError};
 use crate::store::Export;
 
 /// A map's operations, in the order of writing, as they were committed when the export began.
 pub struct MapExport {
     export: Export,
-    _permit: OwnedSemaphorePermit,
+    _turn: Turn,
 }
 
 impl MapExport {
@@ -28,14 +27,11 @@ impl Service {
         map: &MapId,
         release: Option<&ReleaseName>,
     ) -> Result<MapExport, ServiceError> {
-        let permit = self.exports.enter()?;
-        let export = match release {
-            Some(name) => {
-                let found = self.store.export(&map.of_release(name)).await?;
-                found.ok_or_else(|| no_release(map, name))?
-            }
-            None => self.store.export(map).await?.ok_or_else(|| ServiceError::no_map(map))?,
-        };
-        Ok(MapExport { export, _permit: permit })
+        let id = release.map_or_else(|| map.clone(), |name| map.of_release(name));
+        let none = || release.map_or_else(|| ServiceError::no_map(map), |name| no_release(map, name));
+        let key = self.store.map_key(&id).await?.ok_or_else(none)?;
+        let turn = self.exports.enter(Tenant::current(Some(key))).await?;
+        let export = self.store.export(&id).await?.ok_or_else(none)?;
+        Ok(MapExport { export, _turn: turn })
     }
 }

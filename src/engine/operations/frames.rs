@@ -2,14 +2,17 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use tokio::task::spawn_blocking;
+use tokio::time::{Instant, sleep_until};
 
 use crate::domain::event::{Event, EventKind};
 use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
 use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::report::{FrameReport, FramesReport};
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::geometry::Pose;
@@ -19,6 +22,9 @@ use crate::store::Job;
 
 /// Loops that must hold at both ends of a suspect before a server revokes it by itself.
 const VOTES_MIN: usize = 2;
+
+/// The rest in the background after frames were computed, in times of how long that took.
+const REST: u32 = 10;
 
 impl Service {
     /// Returns where the sessions of a map lie to a reference, by default the oldest of those that most sessions are joined with.
@@ -33,18 +39,23 @@ impl Service {
         Ok(self.read(&live, move |state| named(&state.index)).await?.1)
     }
 
-    /// Brings the frames of a map up to date in the background, after a loop was confirmed or revoked. Dropped under load: whoever reads
-    /// them brings them up to date.
-    pub(in crate::engine) fn frame_behind(&self, map: &MapId) {
+    /// Brings the frames of a map up to date in the background, after a loop was confirmed or revoked, with some rest between: loops that
+    /// come meanwhile share the next time. Dropped under load: whoever reads them brings them up to date.
+    pub(in crate::engine) fn frame_behind(&self, live: &Arc<LiveMap>) {
         if self.pressure.is_high() {
             return;
         }
-        let Some(slot) = self.triggers.slot() else { return };
-        let (service, map) = (self.clone(), map.clone());
+        let (service, live) = (self.clone(), live.clone());
+        if live.frames_due.swap(true, Ordering::AcqRel) {
+            return;
+        }
         tokio::spawn(async move {
-            let _slot = slot;
-            // The map may be deleted by now.
-            let Ok(live) = service.live(&map).await else { return };
+            if let Some(rested) = live.frames_checked.lock().await.rested {
+                sleep_until(rested).await;
+            }
+            live.frames_due.store(false, Ordering::Release);
+            let Some(_slot) = service.triggers.slot() else { return };
+            // The map may be deleted by now, or thrown out of memory.
             let framed = async {
                 let (_, frames) = service.current_frames(&live).await?;
                 service.revoke_suspects(&live, &frames).await
@@ -90,16 +101,20 @@ impl Service {
         let mut checked = live.frames_checked.lock().await;
         let kept = self.store.frames(live.key).await?;
         if let Some((version, frames)) = &kept
-            && *checked == live.newest_version()
+            && checked.version == live.newest_version()
         {
             return Ok((*version, Arc::new(frames.clone())));
         }
         // Nobody who writes waits for more than the reading.
         let (version, facts) = self.read(live, |state| Ok(measured(&state.index))).await?;
+        let turn = self.reads.acquire_unbounded(Tenant::Map(live.key)).await?;
+        let started = Instant::now();
         let computed = spawn_blocking(move || fleet_frames(&facts)).await.map_err(ServiceError::panicked)?;
+        drop(turn);
+        checked.rested = Some(Instant::now() + REST * started.elapsed());
         let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);
         if let Some((kept_at, frames)) = kept.as_ref().filter(|(_, frames)| *frames == computed) {
-            *checked = version;
+            checked.version = version;
             return Ok((*kept_at, Arc::new(frames.clone())));
         }
         let known: BTreeSet<&LoopId> = known.iter().map(|suspect| &suspect.loop_id).collect();
@@ -112,7 +127,7 @@ impl Service {
             tracing::warn!(%error, "the frames of a map were not kept");
             return Ok((version, frames));
         }
-        *checked = version;
+        checked.version = version;
         if !events.is_empty() {
             live.tell(&self.store, events);
         }

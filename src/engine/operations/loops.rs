@@ -46,7 +46,7 @@ impl Service {
         };
         let ((created, value), map_version) = self.change(&live, decide).await?;
         if created {
-            self.frame_behind(map);
+            self.frame_behind(&live);
         }
         let value =
             value.ok_or_else(|| ServiceError::Internal("a loop vanished under the lock".to_owned()))?;
@@ -88,7 +88,7 @@ impl Service {
             Ok(Decision::Changed(known, decided, None))
         };
         let (report, version) = self.free(&live, decide).await?;
-        self.frame_behind(map);
+        self.frame_behind(&live);
         Ok((version, report))
     }
 }

@@ -11,6 +11,7 @@ use crate::domain::key::KeySeq;
 use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
 use crate::domain::request::{Digest, MapPatch};
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::{Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
@@ -50,7 +51,7 @@ impl Service {
             return Err(ServiceError::Invalid(vec![fault]));
         }
         self.disk_takes(false)?;
-        let _reading = self.exports.enter()?;
+        let _reading = self.exports.enter(owner.map_or(Tenant::Anyone, Tenant::Key)).await?;
         let _copying = self.copying.read().await;
         if let Some(live) = self.registry.in_memory_now(&from) {
             // What was answered is copied.

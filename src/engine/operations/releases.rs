@@ -14,6 +14,7 @@ use crate::domain::request::Digest;
 use crate::engine::cluster::following::Effort;
 use crate::engine::keys::keyring::now;
 use crate::engine::limits::quota::check_release;
+use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
 use crate::engine::{Service, ServiceError, Stored};
@@ -57,7 +58,7 @@ impl Service {
         let quotas = self.quotas;
         self.read(live, move |state| check_release(&quotas, &state.index, bytes)).await?;
         self.disk_takes(false)?;
-        let _reading = self.exports.enter()?;
+        let _reading = self.exports.enter(Tenant::current(Some(live.key))).await?;
         let _copying = self.copying.read().await;
         // What was answered is published.
         live.on_disk(&self.store, live.newest_version()).await?;

@@ -28,7 +28,7 @@ const PIECE_BYTES: usize = 64 << 10;
 /// body. Poses and positions are the original ones, and corrections follow in order (`keep_history`). Deleted
 /// keyframes are omitted, with everything that depends on them. Every keyframe includes its words, even where the
 /// server computed them. Replaying it gives a map with the same verdicts, but other ids of anchors and queries. An
-/// aborted response is incomplete. At most two exports run at once.
+/// aborted response is incomplete. At most four exports run at once, two of them for one key.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams, ReleaseSearch), security(("key" = ["read"])),
     responses(

@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot};
 
@@ -69,17 +70,19 @@ impl Committer {
         self.held.send_message(Message::Look);
     }
 
-    /// Writes the database's file anew, without what was deleted from it. Jobs wait meanwhile: seconds for each gigabyte.
-    pub async fn renew_file(&self) -> Result<(), StoreError> {
+    /// Writes the database's file anew, without what was deleted from it. Jobs wait meanwhile, seconds for each gigabyte: returns
+    /// how long.
+    pub async fn renew_file(&self) -> Result<Duration, StoreError> {
         self.renew(Renewal::File).await
     }
 
     /// Brings the write-ahead log into the file and cuts it to nothing; [`StoreError::Busy`] while somebody reads an older version.
-    pub async fn renew_log(&self) -> Result<(), StoreError> {
+    /// Returns how long jobs waited.
+    pub async fn renew_log(&self) -> Result<Duration, StoreError> {
         self.renew(Renewal::Log).await
     }
 
-    async fn renew(&self, renewal: Renewal) -> Result<(), StoreError> {
+    async fn renew(&self, renewal: Renewal) -> Result<Duration, StoreError> {
         let (renewed, heard) = oneshot::channel();
         if !self.held.send_message(Message::Renew(renewal, renewed)) {
             return Err(StoreError::Closed);

@@ -183,12 +183,12 @@ impl Writer {
         }
     }
 
-    /// Makes the file or the log anew; a database server does so by itself.
-    async fn renew(&self, renewal: Renewal) -> Result<(), StoreError> {
-        match &self.disk {
-            Some(disk) => renew(disk.writer(), renewal).await,
-            None => Ok(()),
-        }
+    /// Makes the file or the log anew, and returns how long that took; a database server does so by itself.
+    async fn renew(&self, renewal: Renewal) -> Result<Duration, StoreError> {
+        let Some(disk) = &self.disk else { return Ok(Duration::ZERO) };
+        let started = Instant::now();
+        renew(disk.writer(), renewal).await?;
+        Ok(started.elapsed())
     }
 
     pub(super) async fn release_reserve(&self) {

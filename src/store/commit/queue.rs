@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 use tokio::sync::oneshot;
 
@@ -31,8 +32,8 @@ pub(in crate::store) enum Message {
     Settle(oneshot::Sender<()>),
     /// There may be background work: a map was taken over.
     Look,
-    /// The database's file or its log is made anew, after everything queued before.
-    Renew(Renewal, oneshot::Sender<Result<(), StoreError>>),
+    /// The database's file or its log is made anew, after everything queued before. Answered with how long jobs waited for it.
+    Renew(Renewal, oneshot::Sender<Result<Duration, StoreError>>),
     Close(oneshot::Sender<()>),
 }
 

@@ -6,7 +6,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::column::integers_of;
-use super::decode;
 use super::former_value_rows::{packed, unpacked};
 use super::judgement_rows;
 use super::read::sent_points;
@@ -53,7 +52,8 @@ const OF_SESSION: &[&str] = &[
         and cast(json_extract(body, '$.frame') as bigint) = $2",
 ];
 
-/// Removes the traces of keyframes that are gone from a map, and of sessions that are erased with them.
+/// Removes the traces of keyframes that are gone from a map, and of sessions that are erased with them: those are named with all that
+/// any version of the map knew them to be merged with.
 pub(in crate::store) async fn remove(
     db: &mut Connection,
     map: MapKey,
@@ -67,9 +67,7 @@ pub(in crate::store) async fn remove(
         // It may have asked a release without a keyframe in it.
         let delete = "delete from release_uses where map_key = $1 and session = $2";
         run(db, sql::query(delete).bind(map).bind(session.as_str())).await?;
-        for part in with_merged(db, map, session).await? {
-            erased.extend(forget_session(db, map, &part).await?);
-        }
+        erased.extend(forget_session(db, map, session).await?);
     }
     if !sessions.is_empty() {
         forget_names_in_loops(db, map).await?;
@@ -78,23 +76,6 @@ pub(in crate::store) async fn remove(
     remove_verdicts(db, map).await?;
     judgement_rows::step_back(db, map).await?;
     run(db, sql::query("delete from model_answers")).await
-}
-
-/// Returns a session, and those that merged into it.
-async fn with_merged(
-    db: &mut Connection,
-    map: MapKey,
-    session: &SessionId,
-) -> Result<Vec<SessionId>, StoreError> {
-    let select = "with recursive parts (session) as (
-            select session from sessions where map_key = $1 and id = $2
-            union select m.session from session_merges m join parts p on m.into_session = p.session
-            where m.map_key = $1
-        )
-        select id from sessions where map_key = $1 and session in (select session from parts) order by session";
-    let query = sql::query_scalar(select).bind(map).bind(session.as_str());
-    let ids: Vec<String> = query.fetch_all(db).await?;
-    ids.iter().map(|id| decode::id(id)).collect()
 }
 
 /// Takes the names of keyframes that are gone from loops, and what was measured between them: which session they were of is not
