@@ -48,7 +48,7 @@ impl Service {
         if live.is_release() && manner != Manner::Erasing {
             return Err(ServiceError::Internal(format!("{} is a release, to which nobody writes", live.id)));
         }
-        self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing))?;
+        self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing)).await?;
         let is_patient = matches!(manner, Manner::Patient | Manner::Erasing);
         let permit =
             if is_patient { self.writes.acquire_unbounded().await? } else { self.writes.enter().await? };
@@ -95,8 +95,8 @@ impl Service {
     }
 
     /// Refuses a write that the disk would not take, before the index is ahead of the disk.
-    pub(in crate::engine) fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
-        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    pub(in crate::engine) async fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses_now(freeing).await.map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// Decides a write and waits until it is on disk.

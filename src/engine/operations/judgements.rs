@@ -71,7 +71,7 @@ impl Service {
             tally,
             position: None,
         };
-        self.disk_takes(false)?;
+        self.disk_takes(false).await?;
         self.store.committer().commit(Job::StartJudgement(live.key, Box::new(job.clone()))).await?;
         self.rejudging.wake();
         self.stored(&live, true, job).await

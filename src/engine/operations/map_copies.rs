@@ -50,7 +50,7 @@ impl Service {
             let fault = FieldError::new("/base/map", "a map cannot begin as itself").got(&id);
             return Err(ServiceError::Invalid(vec![fault]));
         }
-        self.disk_takes(false)?;
+        self.disk_takes(false).await?;
         let _reading = self.exports.enter(owner.map_or(Tenant::Anyone, Tenant::Key)).await?;
         let _copying = self.copying.read().await;
         if let Some(live) = self.registry.in_memory_now(&from) {

@@ -76,7 +76,7 @@ impl Service {
         if let Some(value) = self.made_before(&id, &digest).await? {
             return Ok(Stored { created: false, map_version: value.version, value });
         }
-        self.disk_takes(false)?;
+        self.disk_takes(false).await?;
         let job = Job::CreateMap { id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).instrument(traces::part("commit")).await?;
         Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
@@ -143,7 +143,7 @@ impl Service {
             Err(ServiceError::Damaged(_)) => return self.delete_damaged(id).await,
             live => live?,
         };
-        self.disk_takes(true)?;
+        self.disk_takes(true).await?;
         let service = self.clone();
         // To its end, also when the client has gone.
         let deletion = async move {
@@ -167,7 +167,7 @@ impl Service {
 
     /// Deletes a map that cannot be loaded; its name is free again then.
     async fn delete_damaged(&self, id: &MapId) -> Result<(), ServiceError> {
-        self.disk_takes(true)?;
+        self.disk_takes(true).await?;
         let key = self.key_of(id).await?;
         self.store.committer().commit(Job::DeleteMap(key)).await?;
         self.registry.forget_releases(id);

@@ -57,7 +57,7 @@ impl Service {
         }
         let quotas = self.quotas;
         self.read(live, move |state| check_release(&quotas, &state.index, bytes)).await?;
-        self.disk_takes(false)?;
+        self.disk_takes(false).await?;
         let _reading = self.exports.enter(Tenant::current(Some(live.key))).await?;
         let _copying = self.copying.read().await;
         // What was answered is published.

@@ -57,6 +57,19 @@ impl Committer {
         self.health.refuses(frees_space)
     }
 
+    /// Returns why a write need not be decided now. A full disk is tried first: it may have room again.
+    pub async fn refuses_now(&self, frees_space: bool) -> Option<StoreError> {
+        let error = self.refuses(frees_space)?;
+        if self.disk() != Disk::Full {
+            return Some(error);
+        }
+        let (tried, heard) = oneshot::channel();
+        if self.held.send_message(Message::TryDisk(tried)) {
+            let _ = heard.await;
+        }
+        self.refuses(frees_space)
+    }
+
     /// Waits until whatever is queued now is on disk, or never will be.
     pub async fn settled(&self) {
         let (settled, heard) = oneshot::channel();

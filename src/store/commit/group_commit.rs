@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 use tokio::time::Instant;
 use tracing::warn;
 
@@ -28,6 +28,9 @@ use crate::store::sql::Pool;
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
+
+/// The least time between two tries when somebody wants to write.
+const TRY_AGAIN_AFTER: Duration = Duration::from_millis(50);
 
 /// Starts a writer on its own connection, in a thread of its own.
 ///
@@ -91,10 +94,10 @@ impl Writer {
             None => Slices::none(),
         };
         let (mut lanes, mut renewals, mut closing) = (Lanes::default(), Vec::new(), None);
-        let mut tried = Instant::now();
+        let (mut tried, mut who_wants) = (Instant::now(), Vec::new());
         loop {
             let mut next = if lanes.is_empty() && closing.is_none() {
-                let received = match self.wakes_at(&slices, tried) {
+                let received = match self.wakes_at(&slices, tried + rest(&who_wants)) {
                     Some(at) => tokio::time::timeout_at(at, queue.recv()).await.ok(),
                     None => Some(queue.recv().await),
                 };
@@ -114,6 +117,7 @@ impl Writer {
                         }
                     }
                     Some(Message::Settle(settled)) => lanes.settle(settled),
+                    Some(Message::TryDisk(wants)) => who_wants.push(wants),
                     Some(Message::Look) => slices.add(),
                     Some(Message::Renew(renewal, renewed)) => renewals.push((renewal, renewed)),
                     Some(Message::Close(closed)) => closing = Some(closed),
@@ -145,17 +149,23 @@ impl Writer {
                 let _ = closed.send(());
                 return;
             }
-            if self.health.disk() != Disk::Well && tried.elapsed() >= TRY_AGAIN_EVERY {
+            let is_due = self.health.disk() != Disk::Well && tried.elapsed() >= rest(&who_wants);
+            if is_due {
                 self.try_disk().await;
                 tried = Instant::now();
+            }
+            if is_due || self.health.disk() == Disk::Well {
+                for wants in who_wants.drain(..) {
+                    let _ = wants.send(());
+                }
             }
             self.do_slice(&mut slices, lanes.is_empty() && queue.is_empty()).await;
         }
     }
 
     /// When there is something to do though no message comes.
-    fn wakes_at(&self, slices: &Slices, tried: Instant) -> Option<Instant> {
-        let try_disk = (self.health.disk() != Disk::Well).then_some(tried + TRY_AGAIN_EVERY);
+    fn wakes_at(&self, slices: &Slices, try_at: Instant) -> Option<Instant> {
+        let try_disk = (self.health.disk() != Disk::Well).then_some(try_at);
         let slice = match self.health.disk() {
             Disk::Failing => None,
             disk => slices.due(disk == Disk::Full),
@@ -224,6 +234,11 @@ impl Writer {
     }
 }
 
+/// Returns how long a disk that takes no writes is left alone.
+fn rest(who_wants: &[oneshot::Sender<()>]) -> Duration {
+    if who_wants.is_empty() { TRY_AGAIN_EVERY } else { TRY_AGAIN_AFTER }
+}
+
 #[cfg(test)]
 mod tests {
     use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions};
@@ -282,9 +297,8 @@ mod tests {
         committer.commit(Job::DeleteMap(1)).await.expect("a delete on a full disk");
         sqlx::query("update event_numbers set last = 77").execute(&pool).await.expect("a number");
         pages_at_most(&pool, ROOM_FOR_ANYTHING).await;
-        while committer.refuses(false).is_some() {
-            tokio::task::yield_now().await; // The writer tries by itself.
-        }
+        assert!(committer.refuses(false).is_some(), "it has not been tried again yet");
+        assert!(committer.refuses_now(false).await.is_none(), "who wants to write has it tried");
         committer.commit(map(key)).await.expect("a write, without a restart");
         let events: i64 =
             sqlx::query_scalar("select last from event_numbers").fetch_one(&pool).await.expect("a number");

@@ -30,6 +30,8 @@ pub(in crate::store) enum Message {
     Jobs(Vec<Queued>),
     /// Answered once everything queued before it is settled.
     Settle(oneshot::Sender<()>),
+    /// Answered once the disk was tried again, if it was full.
+    TryDisk(oneshot::Sender<()>),
     /// There may be background work: a map was taken over.
     Look,
     /// The database's file or its log is made anew, after everything queued before. Answered with how long jobs waited for it.
