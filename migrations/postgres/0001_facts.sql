@@ -311,6 +311,9 @@ create table keys (
     revoked_sec bigint,
     -- Requests a second.
     rate_per_s bigint,
+    -- Maps that this key made and that exist, and their bytes with those of their releases.
+    max_maps bigint,
+    max_bytes bigint,
     -- What a day (UTC) of models may bring for the maps that this key made and the texts it asks about.
     model_daily_calls bigint,
     model_daily_microusd bigint,

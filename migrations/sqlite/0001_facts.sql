@@ -351,6 +351,9 @@ create table keys (
     revoked_sec integer,
     -- Requests a second.
     rate_per_s integer,
+    -- Maps that this key made and that exist, and their bytes with those of their releases.
+    max_maps integer,
+    max_bytes integer,
     -- What a day (UTC) of models may bring for the maps that this key made and the texts it asks about.
     model_daily_calls integer,
     model_daily_microusd integer,

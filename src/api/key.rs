@@ -37,6 +37,15 @@ pub struct KeyBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1, maximum = 1_000_000)]
     pub rate_per_s: Option<u32>,
+    /// Maximum maps that it made and that exist: it cannot make more (507). Left out: any number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 1_000_000)]
+    pub max_maps: Option<u32>,
+    /// Maximum bytes of these maps, with their releases: what would add to them is refused (507), whoever sends it. What they
+    /// hold is looked up once a second. Left out: any number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 9_007_199_254_740_992_i64)]
+    pub max_bytes: Option<u64>,
     /// Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000_000)]
@@ -75,6 +84,12 @@ pub struct KeyView {
     /// Requests a second.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_per_s: Option<u32>,
+    /// Maximum maps that it made and that exist.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_maps: Option<u32>,
+    /// Maximum bytes of these maps with their releases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_bytes: Option<u64>,
     /// Calls of models a day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_daily_calls: Option<u32>,
@@ -100,6 +115,8 @@ impl Decode for KeyProperties {
             "maps",
             "expires",
             "rate_per_s",
+            "max_maps",
+            "max_bytes",
             "model_daily_calls",
             "model_daily_usd",
         ])?;
@@ -109,6 +126,8 @@ impl Decode for KeyProperties {
         let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
         let expires = body.optional("expires", Stamp::decode);
         let rate_per_s = body.optional("rate_per_s", |node| node.count(limits::KEY_RATE_PER_S));
+        let max_maps = body.optional("max_maps", |node| node.count(limits::KEY_MAPS));
+        let max_bytes = body.optional("max_bytes", |node| node.whole(limits::KEY_BYTES));
         let calls = body.optional("model_daily_calls", |node| node.count(limits::KEY_DAILY_CALLS));
         let usd = body.optional("model_daily_usd", |node| node.number(limits::KEY_DAILY_USD));
         Some(Self {
@@ -117,6 +136,8 @@ impl Decode for KeyProperties {
             maps: maps?.unwrap_or_else(|| vec![MapPattern::every()]),
             expires: expires?,
             rate_per_s: rate_per_s?,
+            max_maps: max_maps?,
+            max_bytes: max_bytes?.map(i64::unsigned_abs),
             model_daily_calls: calls?,
             model_daily_microusd: usd?.map(|usd| (usd * 1e6).round() as u64),
         })
@@ -147,6 +168,8 @@ impl From<Key> for KeyView {
             expires: properties.expires.map(Time::from),
             revoked: revoked_sec.map(second),
             rate_per_s: properties.rate_per_s,
+            max_maps: properties.max_maps,
+            max_bytes: properties.max_bytes,
             model_daily_calls: properties.model_daily_calls,
             model_daily_usd: properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6),
             last_used: None,

@@ -130,6 +130,10 @@ pub const KEY_NAME_CHARS: usize = 128;
 pub const KEY_PATTERNS: usize = 100;
 /// Requests a second of one key.
 pub const KEY_RATE_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+/// Maps that one key made.
+pub const KEY_MAPS: RangeInclusive<i64> = 0..=1_000_000;
+/// Bytes of these maps.
+pub const KEY_BYTES: RangeInclusive<i64> = 0..=(1 << 53);
 /// Calls of models a day of one key.
 pub const KEY_DAILY_CALLS: RangeInclusive<i64> = 0..=1_000_000_000;
 /// Maximum cost of these calls, in US dollars.

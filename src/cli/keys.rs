@@ -65,6 +65,12 @@ struct CreateArgs {
     /// Maximum requests per second
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rate_per_s: Option<u32>,
+    /// Maximum maps that it made and that exist
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    max_maps: Option<u32>,
+    /// Maximum bytes of these maps with their releases
+    #[arg(long, value_name = "BYTES", value_parser = clap::value_parser!(u64).range(0..=1 << 53))]
+    max_bytes: Option<u64>,
     /// Maximum model calls per day
     #[arg(long, value_name = "N")]
     model_daily_calls: Option<u32>,
@@ -156,6 +162,8 @@ impl CreateArgs {
             maps: self.maps,
             expires,
             rate_per_s: self.rate_per_s,
+            max_maps: self.max_maps,
+            max_bytes: self.max_bytes,
             model_daily_calls: self.model_daily_calls,
             model_daily_microusd: self.model_daily_usd.map(|usd| (usd * 1e6).round() as u64),
         })
@@ -164,8 +172,17 @@ impl CreateArgs {
 
 /// Formats a key on one line.
 fn line(key: &Key) -> String {
-    let KeyProperties { name, actions, maps, expires, rate_per_s, model_daily_calls, model_daily_microusd } =
-        &key.properties;
+    let KeyProperties {
+        name,
+        actions,
+        maps,
+        expires,
+        rate_per_s,
+        max_maps,
+        max_bytes,
+        model_daily_calls,
+        model_daily_microusd,
+    } = &key.properties;
     let maps: Vec<String> = maps.iter().map(ToString::to_string).collect();
     let mut line = format!("{}  {name:?}  may {actions}  maps {}", key.seq.public(), maps.join(" "));
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs() as i64;
@@ -178,6 +195,12 @@ fn line(key: &Key) -> String {
     }
     if let Some(rate) = rate_per_s {
         say(format!("{} a second", counted(*rate, "request")));
+    }
+    if let Some(most) = max_maps {
+        say(format!("at most {}", counted(*most, "map")));
+    }
+    if let Some(most) = max_bytes {
+        say(format!("at most {}", counted(*most, "byte")));
     }
     if let Some(calls) = model_daily_calls {
         say(format!("{} a day", counted(*calls, "model call")));

@@ -12,6 +12,7 @@ use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::key_room::KeyBytes;
 use super::limits::shared_turns::SharedTurns;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;
@@ -44,6 +45,7 @@ impl Service {
             write_answer: options.write_answer,
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
+            key_bytes: KeyBytes::default(),
             exports: Arc::new(SharedTurns::new(EXPORTS_AT_ONCE, WAITING_MAX)),
             erasing: Arc::default(),
             copying: Arc::default(),

@@ -15,6 +15,7 @@ use super::descriptions::worker::Worker;
 use super::error::ServiceError;
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::key_room::KeyBytes;
 use super::limits::load_shedding::LoadShedding;
 use super::limits::shared_turns::SharedTurns;
 use super::limits::trigger_queue::TriggerQueue;
@@ -53,6 +54,7 @@ pub struct Parts {
     pub(super) write_answer: WriteAnswer,
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,
+    pub(super) key_bytes: KeyBytes,
     pub(super) exports: Arc<SharedTurns>,
     /// Held by the one that works on erasures: when the database's file may be written anew.
     pub(super) erasing: Arc<tokio::sync::Mutex<Option<Instant>>>,

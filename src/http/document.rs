@@ -21,7 +21,8 @@ use crate::recognition::constants::{self, Constant};
         description = "Semantic place recognition: is this keyframe a loop?\n\nClients choose ids and write by \
             `PUT`, so retries are safe. Every response of 400 and above is `application/problem+json` and \
             lists all faults of the request. Lengths are in metres, angles in radians, image coordinates in pixels. \
-            An optional field is omitted, never null.\n\nAnswers about a map say its `map_version`. A request that reads a map may \
+            An optional field is omitted, never null. Bytes inside JSON are base64 \
+            (RFC 4648, section 4), with or without padding.\n\nAnswers about a map say its `map_version`. A request that reads a map may \
             say which version its client has seen, as the header `x-revisit-min-version` or the parameter `min_version`: the answer \
             is not older, whichever server gives it. A map that does not have the version within two seconds is answered with \
             412.\n\nNumbers that affect verdicts are a map's settings, or constants, which \

@@ -1196,6 +1196,12 @@ class KeyBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Requests a second; a second's worth may come at once, and a bulk line counts as a request. Left out:
     any number.
     """
+    max_maps: int | None = None
+    """Maximum maps that it made and that exist: it cannot make more (507). Left out: any number."""
+    max_bytes: int | None = None
+    """Maximum bytes of these maps, with their releases: what would add to them is refused (507), whoever
+    sends it. What they hold is looked up once a second. Left out: any number.
+    """
     model_daily_calls: int | None = None
     """Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number."""
     model_daily_usd: float | None = None
@@ -1230,6 +1236,10 @@ class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The time when it was revoked; left out while it is good."""
     rate_per_s: int | None = None
     """Requests a second."""
+    max_maps: int | None = None
+    """Maximum maps that it made and that exist."""
+    max_bytes: int | None = None
+    """Maximum bytes of these maps with their releases."""
     model_daily_calls: int | None = None
     """Calls of models a day."""
     model_daily_usd: float | None = None

@@ -129,6 +129,10 @@ pub struct KeyProperties {
     pub expires: Option<Stamp>,
     /// Requests a second.
     pub rate_per_s: Option<u32>,
+    /// Maximum maps that it made and that exist.
+    pub max_maps: Option<u32>,
+    /// Maximum bytes of these maps with their releases.
+    pub max_bytes: Option<u64>,
     /// Model calls a day (UTC) at its expense.
     pub model_daily_calls: Option<u32>,
     /// Maximum cost of these calls, in millionths of a US dollar.

@@ -79,6 +79,8 @@ mod tests {
             maps: vec![MapPattern::every()],
             expires: expires_sec.map(|sec| Stamp { sec, nanosec: 0 }),
             rate_per_s: None,
+            max_maps: None,
+            max_bytes: None,
             model_daily_calls: None,
             model_daily_microusd: None,
         };

@@ -154,6 +154,8 @@ mod tests {
             maps: vec!["*".parse().unwrap()],
             expires: None,
             rate_per_s: Some(20),
+            max_maps: None,
+            max_bytes: None,
             model_daily_calls: None,
             model_daily_microusd: None,
         };

@@ -2,6 +2,7 @@
 
 pub(super) mod bounds;
 pub(super) mod concurrency_limit;
+pub(super) mod key_room;
 pub mod load_shedding;
 pub(super) mod quota;
 pub mod shared_turns;

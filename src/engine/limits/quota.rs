@@ -1,5 +1,6 @@
-//! Quota: does what a request brings fit into its map?
+//! Quota: does what a request brings fit into its map, and into what the key that made the map may hold?
 
+use super::key_room::KeyRoom;
 use crate::config::quotas::Quotas;
 use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
@@ -10,52 +11,58 @@ use crate::engine::ServiceError;
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
 
+/// What limits how a map may grow.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine) struct Room {
+    /// Of each map.
+    pub quotas: Quotas,
+    /// Of all maps that the key made which made this one, if it has a limit.
+    pub of_key: Option<KeyRoom>,
+}
+
 /// Refuses a keyframe that would take its map beyond a quota.
 pub(in crate::engine) fn check_keyframe(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     keyframe: &NewKeyframe,
 ) -> Result<(), ServiceError> {
     let keyframes = index.keyframe_count() as u64;
-    if let Some(most) = over(quotas.map_max_keyframes, keyframes + 1) {
+    if let Some(most) = over(room.quotas.map_max_keyframes, keyframes + 1) {
         return Err(full("keyframes", keyframes, most));
     }
     let anchors = index.objects().len() as u64;
     let adds_anchors = u64::from(!keyframe.detections.is_empty());
-    if let Some(most) = over(quotas.map_max_anchors, anchors + adds_anchors).filter(|_| adds_anchors > 0) {
+    if let Some(most) = over(room.quotas.map_max_anchors, anchors + adds_anchors).filter(|_| adds_anchors > 0)
+    {
         return Err(full("anchors", anchors, most));
     }
     let session = index.session(&keyframe.session);
     let of_session = session.map_or(keyframe.session.as_str().len() as u64, |_| 0);
-    check_bytes(
-        quotas,
-        index,
-        keyframe.bytes() + of_session + new_points(index, session, &keyframe.map_points),
-    )
+    check_bytes(room, index, keyframe.bytes() + of_session + new_points(index, session, &keyframe.map_points))
 }
 
 /// Refuses map points that are new and would take their map beyond its quota; moving those it has goes on.
 pub(in crate::engine) fn check_points(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     session: SessionSeq,
     points: &[(PointId, Point3)],
 ) -> Result<(), ServiceError> {
-    check_bytes(quotas, index, new_points(index, Some(session), points))
+    check_bytes(room, index, new_points(index, Some(session), points))
 }
 
 /// Refuses a loop that would take its map beyond its quota. The one that reaches it may still merge what it matches.
 pub(in crate::engine) fn check_loop(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     closed: &Loop,
 ) -> Result<(), ServiceError> {
-    check_bytes(quotas, index, closed.bytes())
+    check_bytes(room, index, closed.bytes())
 }
 
 /// Refuses lists of points and edges that would take their map beyond its quota. Those that are shorter than before are taken.
 pub(in crate::engine) fn check_observations(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     update: &ObservationUpdate,
 ) -> Result<(), ServiceError> {
@@ -64,12 +71,12 @@ pub(in crate::engine) fn check_observations(
         of.observes.as_ref().map_or(0, |list| list.len().saturating_sub(known)) + of.covisible.len()
     };
     let numbers: usize = update.keyframes.iter().map(more).sum();
-    check_bytes(quotas, index, (numbers * size_of::<PointId>()) as u64)
+    check_bytes(room, index, (numbers * size_of::<PointId>()) as u64)
 }
 
 /// Refuses a merge of sessions that would take its map beyond a quota: other numbers of map points are kept beside those sent.
 pub(in crate::engine) fn check_merge(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     request: &SessionMergeRequest,
     keyframes: &[KeyframeSeq],
@@ -78,40 +85,43 @@ pub(in crate::engine) fn check_merge(
         return Ok(());
     }
     let observed = keyframes.iter().filter_map(|seq| index.keyframe(*seq)).map(|of| of.observes.len());
-    check_bytes(quotas, index, (2 * observed.sum::<usize>() * size_of::<PointId>()) as u64)
+    check_bytes(room, index, (2 * observed.sum::<usize>() * size_of::<PointId>()) as u64)
 }
 
 /// Refuses a prior anchor that would take its map beyond a quota.
 pub(in crate::engine) fn check_prior(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     prior: &NewPrior,
 ) -> Result<(), ServiceError> {
     let anchors = index.objects().len() as u64;
-    if let Some(most) = over(quotas.map_max_anchors, anchors + 1) {
+    if let Some(most) = over(room.quotas.map_max_anchors, anchors + 1) {
         return Err(full("anchors", anchors, most));
     }
     let of_frame = index.session(&prior.frame).map_or(prior.frame.as_str().len() as u64, |_| 0);
-    check_bytes(quotas, index, prior.bytes() + of_frame)
+    check_bytes(room, index, prior.bytes() + of_frame)
 }
 
 /// Refuses a release that would take its map, with the bytes of those that it has, beyond a quota: each is a copy.
 pub(in crate::engine) fn check_release(
-    quotas: &Quotas,
+    room: &Room,
     index: &MapIndex,
     of_releases: u64,
 ) -> Result<(), ServiceError> {
     let with_releases = index.bytes() + of_releases;
-    match over(quotas.map_max_bytes, with_releases + index.bytes()) {
+    match over(room.quotas.map_max_bytes, with_releases + index.bytes()) {
         Some(most) => Err(full("bytes with its releases", with_releases, most)),
-        None => Ok(()),
+        None => room.of_key.map_or(Ok(()), |of_key| of_key.check(index.bytes())),
     }
 }
 
-fn check_bytes(quotas: &Quotas, index: &MapIndex, more: u64) -> Result<(), ServiceError> {
-    match over(quotas.map_max_bytes, index.bytes() + more).filter(|_| more > 0) {
+fn check_bytes(room: &Room, index: &MapIndex, more: u64) -> Result<(), ServiceError> {
+    if more == 0 {
+        return Ok(());
+    }
+    match over(room.quotas.map_max_bytes, index.bytes() + more) {
         Some(most) => Err(full("bytes", index.bytes(), most)),
-        None => Ok(()),
+        None => room.of_key.map_or(Ok(()), |of_key| of_key.check(more)),
     }
 }
 

@@ -107,7 +107,8 @@ impl Service {
         }
         // Nobody who writes waits for more than the reading.
         let (version, facts) = self.read(live, |state| Ok(measured(&state.index))).await?;
-        let turn = self.reads.acquire_unbounded(Tenant::Map(live.key)).await?;
+        let turn =
+            self.reads.acquire_unbounded(live.owner.map_or(Tenant::Map(live.key), Tenant::Key)).await?;
         let started = Instant::now();
         let computed = spawn_blocking(move || fleet_frames(&facts)).await.map_err(ServiceError::panicked)?;
         drop(turn);

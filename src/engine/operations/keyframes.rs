@@ -138,7 +138,7 @@ impl Service {
         digest: Digest,
         manner: Manner,
     ) -> Result<Begun<Put>, ServiceError> {
-        let (quotas, service, of_map) = (self.quotas, self.clone(), live.clone());
+        let (room, service, of_map) = (self.room(live.owner).await?, self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
@@ -151,7 +151,7 @@ impl Service {
             }
             check_vocabulary(index, &keyframe)?;
             check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
-            check_keyframe(&quotas, index, &keyframe)?;
+            check_keyframe(&room, index, &keyframe)?;
             let mut ingested = ingest(index, &keyframe);
             let arrived = (ingested.keyframe, Some(&*keyframe));
             service.add_twins(&of_map, index, arrived, &mut ingested.decided);

@@ -27,7 +27,7 @@ impl Service {
         candidate_from_query: Option<Sim3>,
     ) -> Result<Stored<ConfirmedLoop>, ServiceError> {
         let live = self.live(map).await?;
-        let quotas = self.quotas;
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
@@ -39,7 +39,7 @@ impl Service {
             }
             let candidate_from_query = new.candidate_from_query.or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };
-            check_loop(&quotas, index, &closed)?;
+            check_loop(&room, index, &closed)?;
             let id = closed.id.clone();
             let (warning, decided) = close_loop(index, closed);
             Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))

@@ -50,6 +50,11 @@ impl Service {
             let fault = FieldError::new("/base/map", "a map cannot begin as itself").got(&id);
             return Err(ServiceError::Invalid(vec![fault]));
         }
+        self.check_new_map(owner).await?;
+        if let Some(of_key) = self.key_room(owner).await? {
+            let base = self.store.map_rows(std::slice::from_ref(&from)).await?.pop().ok_or_else(no_base)?;
+            of_key.check(base.report.bytes)?;
+        }
         self.disk_takes(false).await?;
         let _reading = self.exports.enter(owner.map_or(Tenant::Anyone, Tenant::Key)).await?;
         let _copying = self.copying.read().await;
@@ -68,7 +73,11 @@ impl Service {
             };
         // The same name was free before; another request may have taken it meanwhile.
         let _birth = self.registry.births.lock().await;
-        match self.made_before(&id, &digest).await {
+        let made = match self.made_before(&id, &digest).await {
+            Ok(None) => self.check_new_map(owner).await.map(|()| None),
+            made => made,
+        };
+        match made {
             Ok(None) => {}
             Ok(Some(value)) => {
                 copy.discard();

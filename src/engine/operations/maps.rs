@@ -76,6 +76,7 @@ impl Service {
         if let Some(value) = self.made_before(&id, &digest).await? {
             return Ok(Stored { created: false, map_version: value.version, value });
         }
+        self.check_new_map(owner).await?;
         self.disk_takes(false).await?;
         let job = Job::CreateMap { id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).instrument(traces::part("commit")).await?;

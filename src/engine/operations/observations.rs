@@ -34,7 +34,7 @@ impl Service {
         changed: ChangedObservations,
     ) -> Result<(ChangedCounts, u64), ServiceError> {
         let live = self.live(map).await?;
-        let quotas = self.quotas;
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             let session = index.session(&changed.session).ok_or_else(|| {
                 let detail = "no keyframe of this session is in the map";
@@ -47,7 +47,7 @@ impl Service {
                 let limit = format!("{CHANGED_KEYFRAMES_MAX} keyframes");
                 return Err(ServiceError::Invalid(vec![FieldError::new("/replaced", detail).limit(limit)]));
             }
-            check_observations(&quotas, index, &update)?;
+            check_observations(&room, index, &update)?;
             let changed = change_observations(index, update).map_err(too_many_pairs)?;
             let counts = ChangedCounts {
                 keyframes: changed.keyframes,

@@ -13,7 +13,7 @@ impl Service {
     /// Applies a correction, all of it or nothing; anchors' boxes follow.
     pub async fn correct_poses(&self, map: &MapId, correction: PoseCorrection) -> Result<u64, ServiceError> {
         let live = self.live(map).await?;
-        let quotas = self.quotas;
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             let session = index.session(&correction.session).ok_or_else(|| {
                 let detail = "no keyframe of this session is in the map";
@@ -37,7 +37,7 @@ impl Service {
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors));
             }
-            check_points(&quotas, index, session, &correction.map_points)?;
+            check_points(&room, index, session, &correction.map_points)?;
             let correction = Correction { poses, map_points: correction.map_points };
             Ok(Decision::Changed((), correct(index, session, &correction), None))
         };

@@ -16,7 +16,7 @@ impl Service {
     pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<Stored<AnchorReport>, ServiceError> {
         check_id(&new)?;
         let live = self.live(map).await?;
-        let quotas = self.quotas;
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.priors().by_id(&new.id) {
                 if prior_as_sent(index, seq).as_ref() != Some(&new) {
@@ -32,7 +32,7 @@ impl Service {
                 let detail = format!("the map holds {MAX_PRIORS} prior anchors, and may hold no more");
                 return Err(ServiceError::MapFull { detail });
             }
-            check_prior(&quotas, index, &new)?;
+            check_prior(&room, index, &new)?;
             let (seq, decided) = add_prior(index, &new);
             Ok(Decision::Changed((true, views::anchor(index, seq)), decided, None))
         };

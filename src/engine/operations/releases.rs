@@ -55,8 +55,8 @@ impl Service {
             let detail = format!("a map has at most {RELEASES_MAX} releases; delete some");
             return Err(ServiceError::TooLarge { detail });
         }
-        let quotas = self.quotas;
-        self.read(live, move |state| check_release(&quotas, &state.index, bytes)).await?;
+        let room = self.room(live.owner).await?;
+        self.read(live, move |state| check_release(&room, &state.index, bytes)).await?;
         self.disk_takes(false).await?;
         let _reading = self.exports.enter(Tenant::current(Some(live.key))).await?;
         let _copying = self.copying.read().await;

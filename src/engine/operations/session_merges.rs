@@ -36,7 +36,7 @@ impl Service {
         request: SessionMergeRequest,
     ) -> Result<(MergedCounts, u64), ServiceError> {
         let live = self.live(map).await?;
-        let quotas = self.quotas;
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             let session = driven(index, &request.session)?;
             let faults = merge_faults(index, &request);
@@ -57,7 +57,7 @@ impl Service {
                     detail: format!("{detail}, and at most {limit} may merge"),
                 });
             }
-            check_merge(&quotas, index, &request, &keyframes)?;
+            check_merge(&room, index, &request, &keyframes)?;
             let merged = merge_sessions(index, session, &request);
             let counts = MergedCounts {
                 keyframes: merged.keyframes,

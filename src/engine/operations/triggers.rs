@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::domain::ids::{KeyframeId, MapId};
 use crate::engine::Service;
+use crate::engine::limits::shared_turns::for_key;
 
 impl Service {
     /// Starts the checks of queued triggers in the background, until the service closes.
@@ -36,7 +37,8 @@ impl Service {
         tokio::spawn(async move {
             let _slot = slot;
             // The keyframe or its map may be deleted by now: then there is nothing to announce.
-            let _ = service.query_and_announce(&map, keyframe).await;
+            let Ok(live) = service.live(&map).await else { return };
+            let _ = for_key(live.owner, service.query_and_announce(&map, keyframe)).await;
         });
     }
 }

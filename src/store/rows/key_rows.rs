@@ -61,6 +61,8 @@ fn key(row: &Row, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreError> {
             maps,
             expires: expires.0.zip(expires.1).map(|(sec, nanosec)| Stamp { sec, nanosec }),
             rate_per_s: row.try_get("rate_per_s")?,
+            max_maps: row.try_get("max_maps")?,
+            max_bytes: row.try_get::<Option<i64>, _>("max_bytes")?.map(i64::unsigned_abs),
             model_daily_calls: row.try_get("model_daily_calls")?,
             model_daily_microusd: row
                 .try_get::<Option<i64>, _>("model_daily_microusd")?
@@ -75,8 +77,8 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
     let (key, properties) = (&new.key, &new.key.properties);
     let insert =
         "insert into keys (key, name, hash, actions, created_sec, expires_sec, expires_nanosec, rate_per_s,
-            model_daily_calls, model_daily_microusd)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)";
+            max_maps, max_bytes, model_daily_calls, model_daily_microusd)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
     let query = sql::query(insert)
         .bind(key.seq.0)
         .bind(&properties.name)
@@ -86,6 +88,8 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
         .bind(properties.expires.map(|expires| expires.sec))
         .bind(properties.expires.map(|expires| expires.nanosec))
         .bind(properties.rate_per_s)
+        .bind(properties.max_maps)
+        .bind(properties.max_bytes.map(|bytes| bytes as i64))
         .bind(properties.model_daily_calls)
         .bind(properties.model_daily_microusd.map(|microusd| microusd as i64));
     run(db, query).await?;

@@ -18,6 +18,15 @@ use crate::store::commit::job::{Batch, MapKey};
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
+/// What a key made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MadeByKey {
+    /// Maps that exist.
+    pub maps: u64,
+    /// Their bytes, with those of their releases.
+    pub bytes: u64,
+}
+
 /// Adds a map, and returns its key, which no other map had or will have. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
 /// number of a deleted map is recognised.
 pub(in crate::store) async fn create(
@@ -100,6 +109,14 @@ impl Store {
         let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
         let rows = sql::query(select).bind(ids).fetch_all(&self.readers).await?;
         rows.iter().map(map_row).collect()
+    }
+
+    /// Counts the maps that a key made, and their bytes with those of their releases and of copies that are under way.
+    pub async fn made_by(&self, key: KeySeq) -> Result<MadeByKey, StoreError> {
+        let select = "select count(case when deleted = 0 and id not like '%/%' then 1 end), cast(coalesce(sum(bytes), 0) as bigint)
+            from maps where owner = $1 and deleted <> 1";
+        let (maps, bytes): (i64, i64) = sql::query_as(select).bind(key.0).fetch_one(&self.readers).await?;
+        Ok(MadeByKey { maps: maps.unsigned_abs(), bytes: bytes.unsigned_abs() })
     }
 
     /// Returns the key of the map that has this name.

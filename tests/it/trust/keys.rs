@@ -113,7 +113,7 @@ async fn keys_are_made_listed_and_revoked_over_http() {
         Answer::of(server.request(Method::POST, "/v1/keys").bearer_auth(secret).json(body)).await
     };
     let full = json!({"name": "robots", "actions": ["read", "write"], "maps": ["tower", "tower-*"],
-        "expires": {"sec": 4_000_000_000_i64, "nanosec": 5}, "rate_per_s": 7, "model_daily_calls": 8,
+        "expires": {"sec": 4_000_000_000_i64, "nanosec": 5}, "rate_per_s": 7, "max_maps": 9, "max_bytes": 0, "model_daily_calls": 8,
         "model_daily_usd": 0.25});
     let mut made = post(&full).await.expect(201);
     let robots = made["secret"].take();
@@ -136,8 +136,8 @@ async fn keys_are_made_listed_and_revoked_over_http() {
         (json!({"actions": ["read", "admin"], "maps": ["tower"]}), &["/maps"]),
         (json!({"actions": ["read"], "expires": {"sec": 1, "nanosec": 0}}), &["/expires"]),
         (
-            json!({"actions": ["read"], "rate_per_s": 0, "model_daily_usd": -1}),
-            &["/model_daily_usd", "/rate_per_s"],
+            json!({"actions": ["read"], "rate_per_s": 0, "max_maps": -1, "max_bytes": 0.5, "model_daily_usd": -1}),
+            &["/max_bytes", "/max_maps", "/model_daily_usd", "/rate_per_s"],
         ),
     ] {
         let refused = post(&body).await;

@@ -1,9 +1,12 @@
 //! What a map may hold.
 
+use std::time::Duration;
+
+use reqwest::Method;
 use revisit::config::quotas::Quotas;
 use serde_json::{Value, json};
 
-use crate::support::{Server, keyframe};
+use crate::support::{Answer, Server, keyframe};
 
 fn with_plate(text: &str, x: f64) -> Value {
     let mut body = keyframe();
@@ -70,6 +73,47 @@ async fn a_map_counts_the_bytes_of_its_keyframes() {
     }
     server.delete("/v1/maps/m/keyframes/a").await.expect(200);
     assert_eq!(bytes(&server).await, SESSION + BYTES);
+}
+
+#[tokio::test]
+async fn a_key_makes_as_many_maps_as_it_may_and_they_hold_as_many_bytes() {
+    let server = Server::start().await;
+    let root = server.post("/v1/keys", &json!({"actions": ["read", "write", "admin"]})).await.expect(201);
+    let root = root["secret"].as_str().unwrap();
+    let ask = async |method: Method, path: &str, secret: &str, body: Value| {
+        Answer::of(server.request(method, path).bearer_auth(secret).json(&body)).await
+    };
+    let limited = json!({"actions": ["read", "write"], "max_maps": 2, "max_bytes": 3 * (SESSION + HEAD)});
+    let key = ask(Method::POST, "/v1/keys", root, limited).await.expect(201);
+    let key = key["secret"].as_str().unwrap();
+    let full = async |method: Method, path: &str, secret: &str, body: Value| {
+        let refused = ask(method, path, secret, body).await.expect(507);
+        assert_eq!(refused["code"], "map_full", "{refused}");
+    };
+    for (map, secret) in [("a", key), ("b", key), ("not-its-own", root)] {
+        ask(Method::PUT, &format!("/v1/maps/{map}"), secret, json!({})).await.expect(201);
+        ask(Method::PUT, &format!("/v1/maps/{map}/keyframes/kf"), secret, keyframe()).await.expect(201);
+    }
+    full(Method::PUT, "/v1/maps/c", key, json!({})).await;
+    full(Method::PUT, "/v1/maps/c", key, json!({"base": {"map": "a"}})).await;
+    // Sent again, it is the map that there is.
+    ask(Method::PUT, "/v1/maps/b", key, json!({})).await.expect(200);
+
+    ask(Method::PUT, "/v1/maps/a/releases/first", key, json!({})).await.expect(201);
+    // What a key holds is looked up once a second.
+    tokio::time::sleep(Duration::from_millis(1100)).await;
+    full(Method::PUT, "/v1/maps/a/releases/second", key, json!({})).await;
+    // Whoever sends it, and to whichever of them.
+    full(Method::PUT, "/v1/maps/b/keyframes/another", root, keyframe()).await;
+    ask(Method::PUT, "/v1/maps/b/keyframes/kf", key, keyframe()).await.expect(200);
+    // What another key made is not its own, however much it sends.
+    ask(Method::PUT, "/v1/maps/not-its-own/keyframes/another", key, keyframe()).await.expect(201);
+
+    ask(Method::DELETE, "/v1/maps/a", key, json!({})).await.expect(204);
+    tokio::time::sleep(Duration::from_millis(1100)).await;
+    ask(Method::PUT, "/v1/maps/b/keyframes/another", key, keyframe()).await.expect(201);
+    full(Method::PUT, "/v1/maps/c", key, json!({"base": {"map": "b"}})).await;
+    ask(Method::PUT, "/v1/maps/c", key, json!({})).await.expect(201);
 }
 
 #[tokio::test]
