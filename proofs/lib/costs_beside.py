@@ -24,7 +24,7 @@ def keyframe_of_the_neighbour(number):
     return keyframe(number, words(100, number % 500) | observed(50, number * 10) | signs(2, lambda i: f"Room {number + i}", lambda i: in_row(i, number)), 0.5)
 
 
-def robot(address, first, ends, results):
+def robot(address, key, first, ends, results):
     """A PUT and a query take turns, each due every so often; its latency counts from then."""
     client, times = Client(address), {"put": [], "query": []}
     due = time.monotonic()
@@ -35,7 +35,7 @@ def robot(address, first, ends, results):
         kind = "put" if number % 2 else "query"
         request = (ask("PUT", f"/v1/maps/neighbour/keyframes/n-{number}", keyframe_of_the_neighbour(number)) if number % 2 else
                    ask("POST", "/v1/maps/neighbour/loop-queries", {"keyframe": "n-1", "seed": number}))
-        answer = client.ask(request.method, request.path, raw=request.raw)
+        answer = client.ask(request.method, request.path, headers=key, raw=request.raw)
         if answer.status not in (200, 201, 503):
             results.put(f"{kind}: {answer}")
             return
@@ -46,10 +46,12 @@ def robot(address, first, ends, results):
 
 
 class Neighbour:
-    """A map of its own on a ground's server, with a robot in it."""
+    """A map of its own on a ground's server, with a robot in it, which has a key; the costly requests have another one."""
 
     def __init__(self, ground):
         self.ground, self.first = ground, 1
+        ground.administer()
+        self.key, self.others_key = ground.key(), ground.key()
         ground.map((keyframe_of_the_neighbour(n) | {"id": f"n-{n}"} for n in range(1_000_000, 1_000_300)), name="neighbour")
         ground.do("PUT", "/v1/maps/neighbour/keyframes/n-1", keyframe_of_the_neighbour(1))
         self.first = 1001
@@ -57,7 +59,7 @@ class Neighbour:
     def beside(self, noise):
         """The p99 of its PUTs and queries while something happens."""
         ends, results = multiprocessing.Event(), multiprocessing.Queue()
-        process = multiprocessing.Process(target=robot, args=(self.ground.server.address, self.first, ends, results), daemon=True)
+        process = multiprocessing.Process(target=robot, args=(self.ground.server.address, self.key, self.first, ends, results), daemon=True)
         self.first += 100_000
         process.start()
         noise()
@@ -72,12 +74,12 @@ class Neighbour:
         """The p99 when idle and beside these, a list for each client, and those above the limit."""
         self.ground.rest()
         idle = self.beside(lambda: time.sleep(QUIET_S))
-        busy = self.beside(lambda: at_once(self.ground.server.address, requests))
+        busy = self.beside(lambda: at_once(self.ground.server.address, self.others_key, requests))
         over = [kind for kind in busy if busy[kind] > max(LIMIT_MS, FOLD * idle[kind])]
         return idle, busy, over
 
 
-def at_once(address, requests):
+def at_once(address, key, requests):
     """Each client sends its requests one after another; those that have ended begin again until a while is over, as far as they may
     be repeated."""
     ends = time.monotonic() + LEAST_S
@@ -89,7 +91,7 @@ def at_once(address, requests):
             for turn, request in enumerate(mine):
                 if turn and time.monotonic() > ends:
                     break
-                answer_to(request, client)
+                answer_to(request, key, client)
         except Exception as error:  # told by whoever joins
             troubles.append(error)
         client.close()
@@ -103,5 +105,5 @@ def at_once(address, requests):
         raise troubles[0]
 
 
-def answer_to(request, client):
-    return request._replace(statuses=(*request.statuses, *REFUSED)).send(client)
+def answer_to(request, key, client):
+    return request._replace(headers=(*key, *request.headers), statuses=(*request.statuses, *REFUSED)).send(client)

@@ -458,9 +458,8 @@ def of_two_texts_that_many_anchors_have(ground, body, many, most):
 # Keys: each request looks at them, and at their patterns.
 
 def with_keys(ground, keys, maps_of=lambda n: ["*"]):
-    """Makes keys, of which the first is the administrator's; the others' headers."""
-    admin = ground.do("POST", "/v1/keys", {"name": "admin", "actions": ["read", "write", "query", "admin"]}, statuses=(201,))
-    ground.headers = (("authorization", f"Bearer {admin['secret']}"),)
+    """Makes keys, after the administrator's; their headers."""
+    ground.administer()
     made = [ground.do("POST", "/v1/keys", {"name": f"k-{n}", "actions": ["read", "write", "query"], "maps": maps_of(n)}, statuses=(201,)) for n in range(keys)]
     return [((("authorization", f"Bearer {key['secret']}"),)) for key in made], made
 
