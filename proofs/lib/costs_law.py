@@ -25,6 +25,7 @@ SEEN = "compares each two keyframes that see a changed point, 200 million pairs 
 NAMED = "weighs each sign of the map that may be the one that is seen"
 PLACED = "moves the box of each anchor that has the points"
 MOVED = "moves each keyframe of the session"
+SHARED = "counts the points that it shares with each keyframe, of which most are crowded in the larger map"
 JOINED = "computes the frame of each session anew"
 POSTED = "adds up each word of each keyframe that has it"
 LOOKED = "looks at each entry until the page is full"
@@ -38,7 +39,6 @@ MAP = {
     "delete_map": Allowed(1, 4, EVERY_FACT),
     "take_backup": Allowed(1, 6, EVERY_FACT),
     "erase": Allowed(1, 20, "writes the file of the database anew"),
-    ("erase", "a session of many that merged one into the next"): Allowed(2, 20, "follows the merges of each session by itself"),
     "get_changes": Allowed(1, 0.5, "compares the two versions whole"),
     ("put_map", "a copy of a map"): Allowed(1, 2, EVERY_FACT),
     "patch_map": Allowed(1, 2, EVERY_TEXT),
@@ -60,7 +60,18 @@ MAP = {
     ("correct_poses", "places of points that many anchors have"): Allowed(1, 4, PLACED),
     ("query_loop", "signs that all say EXIT in one place"): Allowed(1, 2, NAMED),
     ("query_loop", "signs that all say EXIT apart"): Allowed(1, 2, NAMED),
+    ("locate", "signs of another number each in one place"): Allowed(1, 2, NAMED),
+    ("locate", "signs of another number each in one place, four times"): Allowed(1, 4, NAMED),
+    ("put_keyframe", "signs of another number each in one place, with its query"): Allowed(1, 3, NAMED),
+    ("put_keyframe", "signs that all say EXIT in one place, with its query"): Allowed(1, 3, NAMED),
+    ("put_keyframe", "signs that all say EXIT apart, with its query"): Allowed(1, 3, NAMED),
     ("query_loop", "signs of another number each in one place"): Allowed(1, 2, NAMED),
+    ("put_keyframe", "points that every keyframe sees"): Allowed(2, 1, SHARED),
+    ("put_keyframe", "points that every keyframe sees, with its query"): Allowed(2, 1, SHARED),
+    ("put_keyframes", "points that every keyframe sees"): Allowed(2, 1, SHARED),
+    ("put_keyframe", "features of points that every keyframe sees"): Allowed(2, 1, SHARED),
+    ("put_keyframe", "features of points that every keyframe sees, with its query"): Allowed(2, 1, SHARED),
+    ("put_keyframes", "features of points that every keyframe sees"): Allowed(2, 1, SHARED),
     ("query_loop", "words that every keyframe has"): Allowed(1, 1, POSTED),
     ("query_loop", "words that every keyframe has, of another session"): Allowed(1, 1, POSTED),
     ("put_keyframe", "words that every keyframe has, with its query"): Allowed(1, 1, POSTED),

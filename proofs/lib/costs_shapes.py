@@ -144,7 +144,7 @@ SHAPES = [
     Shape("points as lists", ("observes",), lambda n: {"observes": list(range(n))}, (100_000, 100_000), None),
     Shape("places of points that every keyframe sees", PLACES, placed, (1_000, 4_000), (200, 600), lambda n, _: observed(n)),
     Shape("places as lists", ("map_points.ids", "map_points.positions"),
-          lambda n: {"map_points": {"ids": list(range(n)), "positions": [[0.5, 1.0, 2.0]] * n}}, (40_000, 100_000), None),
+          lambda n: {"map_points": {"ids": list(range(n)), "positions": [[0.5, 1.0, 2.0]] * n}}, (40_000, 80_000), None),
     Shape("places of points that many anchors have", PLACES, placed, (400, 2_000), (100, 400), a_class_of_its_own),
     Shape("features all alike", FEATURES, alike, (400, 8_000), (100, 200), step=APART_M, settings=GEOMETRY),
     Shape("features all different", FEATURES, spread, (400, 8_000), (100, 200), step=APART_M, settings=GEOMETRY),
