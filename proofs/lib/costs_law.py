@@ -68,6 +68,7 @@ MAP = {
     ("put_keyframe", "signs that all say EXIT in one place, with its query"): Allowed(1, 3, NAMED),
     ("put_keyframe", "signs that all say EXIT apart, with its query"): Allowed(1, 3, NAMED),
     ("query_loop", "signs of another number each in one place"): Allowed(1, 2, NAMED),
+    ("query_loop", "points that every keyframe sees"): Allowed(2, 1, SHARED),
     ("put_keyframe", "points that every keyframe sees"): Allowed(2, 1, SHARED),
     ("put_keyframe", "points that every keyframe sees, with its query"): Allowed(2, 1, SHARED),
     ("put_keyframes", "points that every keyframe sees"): Allowed(2, 1, SHARED),

@@ -41,6 +41,9 @@ const LOOK_AGAIN: Duration = Duration::from_millis(100);
 /// The rest after the file was written anew, in times of how long that took: who erases often delays one write of others in a hundred.
 const REST: u32 = 100;
 
+/// After what took less there is none: others hardly notice it.
+const UNNOTICED: Duration = Duration::from_millis(100);
+
 /// Keyframes that one look finds.
 const FOUND_AT_ONCE: usize = 1000;
 
@@ -114,7 +117,8 @@ impl Service {
             return Ok(true);
         }
         if !removed.is_empty() {
-            *rewritable = Some(Instant::now() + REST * self.rewrite().await?);
+            let took = self.rewrite().await?;
+            *rewritable = (took > UNNOTICED).then(|| Instant::now() + REST * took);
         }
         for erasure in &removed {
             let owned = match self.own(&erasure.map).await {

@@ -15,7 +15,7 @@ use super::descriptions::worker::Worker;
 use super::error::ServiceError;
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
-use super::limits::key_room::KeyBytes;
+use super::limits::key_bytes::KeyBytes;
 use super::limits::load_shedding::LoadShedding;
 use super::limits::shared_turns::SharedTurns;
 use super::limits::trigger_queue::TriggerQueue;

@@ -2,8 +2,9 @@
 
 pub(super) mod bounds;
 pub(super) mod concurrency_limit;
-pub(super) mod key_room;
+pub(super) mod key_bytes;
 pub mod load_shedding;
 pub(super) mod quota;
+mod room;
 pub mod shared_turns;
 pub(super) mod trigger_queue;

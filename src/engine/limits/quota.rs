@@ -1,6 +1,5 @@
 //! Quota: does what a request brings fit into its map, and into what the key that made the map may hold?
 
-use super::key_room::KeyRoom;
 use crate::config::quotas::Quotas;
 use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
@@ -18,6 +17,30 @@ pub(in crate::engine) struct Room {
     pub quotas: Quotas,
     /// Of all maps that the key made which made this one, if it has a limit.
     pub of_key: Option<KeyRoom>,
+}
+
+/// What the maps that a key made hold, with their releases, and may hold, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine) struct KeyRoom {
+    /// What they hold.
+    pub holds: u64,
+    /// What they may.
+    pub most: u64,
+}
+
+impl KeyRoom {
+    /// Refuses what would take them beyond the limit.
+    pub fn check(self, more: u64) -> Result<(), ServiceError> {
+        if self.holds.saturating_add(more) <= self.most {
+            return Ok(());
+        }
+        let detail = format!(
+            "the maps of the key that made this one hold {} bytes with their releases, and may hold {}; delete some, or ask the \
+             operator",
+            self.holds, self.most
+        );
+        Err(ServiceError::MapFull { detail })
+    }
 }
 
 /// Refuses a keyframe that would take its map beyond a quota.
