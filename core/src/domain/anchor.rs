@@ -1,12 +1,14 @@
 //! The outcome of a detection: an observation of a semantic anchor, or a reason why not.
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
 use super::judged::CropReading;
 use crate::geometry::Point3;
 use crate::named::named;
 
 /// One detection of one keyframe that feeds an anchor.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// The keyframe that saw the anchor.
     pub keyframe: KeyframeSeq,
@@ -31,7 +33,7 @@ pub struct Observation {
 }
 
 /// The outcome of a detection on arrival (the `outcome` of `openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {
     /// It founded a new anchor.
     Created(AnchorSeq),

@@ -6,13 +6,31 @@
 
 use std::cmp::Ordering;
 
+use serde::{Deserialize, Serialize};
+
 /// A bag-of-words vector, L1-normalised exactly: weights are units of 2^-31 that sum to [`BowVector::ONE`], or there are none.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "BowParts")]
 pub struct BowVector {
     /// Strictly ascending.
     words: Box<[u32]>,
     /// Parallel to `words`, each at least one unit.
     weights: Box<[u32]>,
+}
+
+/// The parts of a vector that may be none.
+#[derive(Deserialize)]
+struct BowParts {
+    words: Vec<u32>,
+    weights: Vec<u32>,
+}
+
+impl TryFrom<BowParts> for BowVector {
+    type Error = BowError;
+
+    fn try_from(parts: BowParts) -> Result<Self, BowError> {
+        Self::from_parts(parts.words, parts.weights)
+    }
 }
 
 impl BowVector {

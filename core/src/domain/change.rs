@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::anchor::{Observation, Outcome};
 use super::bow::BowVector;
 use super::global_descriptor::GlobalDescriptor;
@@ -17,7 +19,7 @@ pub use super::session_merge::{MergeUndo, SessionMerge};
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Keyframe {
     /// Its dense number.
     pub seq: KeyframeSeq,
@@ -52,7 +54,7 @@ impl Keyframe {
 }
 
 /// The reason why two anchors are one.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum MergeCause {
     /// They match, their keyframes are covisible, and they stand close (§IV-C.2).
     Covisible,
@@ -62,7 +64,7 @@ pub enum MergeCause {
 
 /// A link between two anchors that are one object. Anchors keep their own observations;
 /// what is one object is the set of anchors joined by links, named by its oldest.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Merge {
     /// The older anchor.
     pub into: AnchorSeq,
@@ -73,7 +75,7 @@ pub struct Merge {
 }
 
 /// A loop that a client closed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loop {
     /// Its name.
     pub id: LoopId,
@@ -93,7 +95,7 @@ pub struct Loop {
 }
 
 /// Two keyframes of one view, by geometry, around which different signs hang (M16).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Twins {
     /// The keyframe that was written last.
     pub keyframe: KeyframeSeq,
@@ -106,7 +108,7 @@ pub struct Twins {
 }
 
 /// A detection that fed one anchor, and is one of another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MovedObservation {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -119,7 +121,7 @@ pub struct MovedObservation {
 }
 
 /// A passage that had a sign in view and did not see it as it is called (M18).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct MissedSign {
     /// The sign.
     pub anchor: AnchorSeq,
@@ -151,7 +153,7 @@ impl Loop {
 }
 
 /// Parts of a keyframe that are not kept any longer. What was decided with them stays.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ForgottenParts {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -167,7 +169,7 @@ pub struct ForgottenParts {
 
 /// One fact more, or one fact less. A request's changes are committed together, and applied
 /// to the index in this order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Change {
     /// The map's description, classes or settings are now these.
     MapSet(Box<MapProperties>),

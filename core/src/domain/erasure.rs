@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{KeyframeId, ReleaseName, SessionId};
 use super::keyframe::Stamp;
 use crate::named::named;
 
 /// The request for an erasure: keyframes or whole sessions, never both.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum NewErasure {
     /// These keyframes; one that was deleted before is erased from what is left of it.
     Keyframes(Vec<KeyframeId>),

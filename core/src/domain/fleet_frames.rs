@@ -1,10 +1,12 @@
 //! Frames of a fleet: the places of a map's sessions relative to each other (M60).
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{LoopId, SessionSeq};
 use crate::geometry::Pose;
 
 /// The places of a map's sessions relative to each other, at one version of the map.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FleetFrames {
     /// The sessions that have keyframes or are a plan's frame, in order of appearance.
     pub sessions: Vec<FramedSession>,
@@ -17,7 +19,7 @@ pub struct FleetFrames {
 }
 
 /// A session in the frame of those that loops and plans join it with.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FramedSession {
     /// The session.
     pub session: SessionSeq,
@@ -32,7 +34,7 @@ pub struct FramedSession {
 }
 
 /// A confirmed loop that contradicts the others.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Suspect {
     /// The loop.
     pub loop_id: LoopId,

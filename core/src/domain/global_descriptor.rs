@@ -1,5 +1,7 @@
 //! A global descriptor: one vector of a whole image, by a model that the client ran.
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::GlobalModelId;
 use crate::named::named;
 
@@ -14,7 +16,7 @@ named! {
 }
 
 /// One vector of a whole image.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GlobalDescriptor {
     /// The model that computed it, named by the client.
     pub model: GlobalModelId,

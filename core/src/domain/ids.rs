@@ -7,6 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// The longest id a client may choose, in bytes.
@@ -61,7 +62,8 @@ macro_rules! text_id {
     };
     ($(#[$doc:meta])* $name:ident, $check_stored:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(into = "Box<str>", try_from = "Box<str>")]
         pub struct $name(Box<str>);
 
         impl $name {
@@ -90,6 +92,20 @@ macro_rules! text_id {
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(&self.0)
+            }
+        }
+
+        impl TryFrom<Box<str>> for $name {
+            type Error = IdError;
+
+            fn try_from(text: Box<str>) -> Result<Self, IdError> {
+                Self::stored(&text)
+            }
+        }
+
+        impl From<$name> for Box<str> {
+            fn from(id: $name) -> Self {
+                id.0
             }
         }
     };
@@ -166,7 +182,7 @@ text_id!(
 macro_rules! dense_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
         pub struct $name(pub u32);
 
         impl $name {

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{AnchorSeq, KeyframeSeq};
 
 /// The reading of one detection's crop by a model, or by a reader of characters.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CropReading {
     /// The description; empty if nothing could be made of the crop.
     pub text: Box<str>,
@@ -18,7 +20,7 @@ pub struct CropReading {
 }
 
 /// One question and its answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TranscriptStep {
     /// The source of the answer: `model:<name>`, or the reader's name.
     pub speaker: Arc<str>,
@@ -29,7 +31,7 @@ pub struct TranscriptStep {
 }
 
 /// A crop was read: the reading and the dialogue that led to it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CropRead {
     /// The anchor that the detection feeds.
     pub anchor: AnchorSeq,
@@ -59,7 +61,7 @@ pub struct Transcript {
 }
 
 /// A finding of a model.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Finding {
     /// SimilarityLevel of two texts, 1 to 5.
     Similarity(u8),
@@ -79,7 +81,7 @@ pub enum Answer {
 }
 
 /// A model's verdict about texts of one class, in normal form.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelVerdict {
     /// The class of the objects that carry the texts.
     pub class: Box<str>,

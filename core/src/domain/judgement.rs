@@ -1,5 +1,7 @@
 //! Judgements: jobs that ask a changed model again about what a map's verdicts say.
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{JudgementId, KeyframeSeq};
 use crate::named::named;
 
@@ -40,7 +42,7 @@ named! {
 }
 
 /// A question that was answered before, by another model or by other prompts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PastQuestion {
     /// The reading of a detection's crop.
     Crop {
@@ -101,7 +103,7 @@ named! {
 }
 
 /// The outcomes of a job's questions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tally {
     /// Answered otherwise than before.
     pub changed: u64,
@@ -142,7 +144,7 @@ pub struct Judgement {
 }
 
 /// A job has settled some of its questions.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct JudgementProgress {
     /// The job.
     pub id: JudgementId,

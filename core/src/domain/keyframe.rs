@@ -1,12 +1,14 @@
 //! What a client sends: a keyframe with its bag of words, its map points and its detections.
 
+use serde::{Deserialize, Serialize};
+
 use super::bow::BowVector;
 use super::global_descriptor::GlobalDescriptor;
 use super::ids::{KeyframeId, PointId, SessionId};
 use crate::geometry::{Gravity, Point3, Pose};
 
 /// A moment on the robot's clock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Stamp {
     /// Whole seconds.
     pub sec: i64,
@@ -27,7 +29,7 @@ impl Stamp {
 pub const CLIENTS_VOCABULARY: &str = "client";
 
 /// An undistorted pinhole camera, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Focal length along x, in pixels.
     pub fx: f64,

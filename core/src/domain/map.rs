@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{AnchorSeq, KeyframeId};
 use super::settings::Settings;
 use crate::geometry::Gravity;
 
 /// The properties of a map, as its client gives them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapProperties {
     /// Free text for people.
     pub description: String,
@@ -47,7 +49,7 @@ impl MapProperties {
 }
 
 /// Knowledge of a map about its building, as its row shows it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Learned {
     /// By class, the shapes of the building's numbers ([`crate::semantics::Numbering`]); without what an operator gave.
     pub numbering: Arc<BTreeMap<Box<str>, Vec<String>>>,
@@ -56,7 +58,7 @@ pub struct Learned {
 }
 
 /// [`super::change::Twins`] by their names.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedTwins {
     /// The keyframe that was written last.
     pub keyframe: KeyframeId,

@@ -62,6 +62,7 @@ pub mod roles;
 pub mod session_merge;
 mod setting;
 pub mod settings;
+mod settings_form;
 pub mod trajectory;
 pub mod varint;
 pub mod verdict;

@@ -1,10 +1,12 @@
 //! Changes that a client's map made to the points and edges of keyframes that it had sent (M57).
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{KeyframeSeq, PointId, SessionSeq};
 use super::point_list::PointList;
 
 /// The map points that a keyframe's features were sent with and that are others now.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Renamed {
     /// Ascending, each with the present one.
     pub pairs: Box<[(PointId, PointId)]>,
@@ -18,7 +20,7 @@ pub struct Renamed {
 pub type Declared = Option<Box<[(KeyframeSeq, u32)]>>;
 
 /// Changes that a client's map made to the points and edges of keyframes that it had sent, by dense number.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ObservationUpdate {
     /// The session whose numbers the map points have.
     pub session: SessionSeq,
@@ -31,7 +33,7 @@ pub struct ObservationUpdate {
 }
 
 /// The map points and covisible keyframes of a keyframe, as the client's map has them.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeyframeUpdate {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -42,7 +44,7 @@ pub struct KeyframeUpdate {
 }
 
 /// The map points that a keyframe observes from now on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointsOfKeyframe {
     /// The keyframe.
     pub keyframe: KeyframeSeq,

@@ -2,12 +2,15 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::PointId;
 use super::varint;
 
 /// A list of map points in the order given. Each is kept as its difference from the one before, so that points
 /// numbered one after the other take a byte each instead of eight.
-#[derive(Clone, Default, PartialEq, Eq)]
+#[derive(Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Vec<PointId>", from = "Vec<PointId>")]
 pub struct PointList {
     bytes: Box<[u8]>,
     len: u32,
@@ -72,6 +75,12 @@ impl From<&[PointId]> for PointList {
 impl From<Vec<PointId>> for PointList {
     fn from(points: Vec<PointId>) -> Self {
         points.into_iter().collect()
+    }
+}
+
+impl From<PointList> for Vec<PointId> {
+    fn from(points: PointList) -> Self {
+        points.to_vec()
     }
 }
 

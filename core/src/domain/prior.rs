@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{AnchorSeq, ID_FORM, IdError, PriorId, SessionId, SessionSeq};
 use crate::geometry::Point3;
 
@@ -37,7 +39,7 @@ impl NewPrior {
 }
 
 /// A prior anchor, as a fact of its map; the class is its anchor's.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prior {
     /// Its name.
     pub id: PriorId,

@@ -2,12 +2,14 @@
 
 use std::collections::HashMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::ids::{AnchorSeq, KeyframeSeq, PointId, SessionId, SessionSeq};
 use super::observation_update::PointsOfKeyframe;
 use crate::geometry::Sim3;
 
 /// The numbers that the map points of a session get in the session that it merges into.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Renumbering {
     /// They keep their numbers.
     #[default]
@@ -44,7 +46,7 @@ pub struct SessionMergeRequest {
 }
 
 /// A merge of sessions, by dense number.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionMerge {
     /// The session that goes.
     pub session: SessionSeq,
@@ -59,7 +61,7 @@ pub struct SessionMerge {
 }
 
 /// The values that revoke a merge of sessions, beside the former poses and positions.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MergeUndo {
     /// The session that went.
     pub session: SessionSeq,

@@ -1,9 +1,11 @@
 //! Gravity: the direction in which things fall, in some frame.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// The unit vector of gravity, in the frame of its owner.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "[f64; 3]", try_from = "[f64; 3]")]
 pub struct Gravity([f64; 3]);
 
 impl Gravity {
@@ -25,5 +27,19 @@ impl Gravity {
     /// Returns the vector at unit length.
     pub fn direction(&self) -> Vector3<f64> {
         Vector3::from(self.0).normalize()
+    }
+}
+
+impl From<Gravity> for [f64; 3] {
+    fn from(gravity: Gravity) -> Self {
+        gravity.0
+    }
+}
+
+impl TryFrom<[f64; 3]> for Gravity {
+    type Error = &'static str;
+
+    fn try_from(vector: [f64; 3]) -> Result<Self, Self::Error> {
+        Self::new(vector).ok_or("the vector is not of unit length")
     }
 }

@@ -1,6 +1,7 @@
 //! A rigid transformation between two frames.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
 use super::point::Point3;
 
@@ -13,8 +14,24 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A rigid transformation, read right to left: `map_from_camera * point_in_camera`
 /// is the point in the map. Lengths in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "PoseParts", from = "PoseParts")]
 pub struct Pose(Isometry3<f64>);
+
+/// A translation `[x, y, z]` in metres, and a unit quaternion `[x, y, z, w]`.
+type PoseParts = ([f64; 3], [f64; 4]);
+
+impl From<Pose> for PoseParts {
+    fn from(pose: Pose) -> Self {
+        (pose.translation_m(), pose.rotation_xyzw())
+    }
+}
+
+impl From<PoseParts> for Pose {
+    fn from((translation_m, rotation_xyzw): PoseParts) -> Self {
+        Self::from_stored(translation_m, rotation_xyzw)
+    }
+}
 
 impl Pose {
     /// Returns the transformation that moves nothing.

@@ -1,6 +1,7 @@
 //! A similarity transformation between two frames: rotation, translation and one scale.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::point::Point3;
 use super::pose::Pose;
@@ -10,7 +11,8 @@ const MAX_NORM_ERROR: f64 = 0.01;
 
 /// A similarity, read right to left: `candidate_from_query * point_in_query` is
 /// `scale * rotation * point_in_query + translation`, the point in the candidate's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "(f64, Pose)", from = "(f64, Pose)")]
 pub struct Sim3 {
     scale: f64,
     rotation: UnitQuaternion<f64>,
@@ -101,6 +103,18 @@ impl Sim3 {
     /// Returns a point of the outer frame in the inner one.
     pub fn inverse_transform(&self, point: &Point3) -> Point3 {
         Point3::from(self.rotation.inverse() * (point.coords - self.translation) / self.scale)
+    }
+}
+
+impl From<Sim3> for (f64, Pose) {
+    fn from(similarity: Sim3) -> Self {
+        (similarity.scale, similarity.without_scale())
+    }
+}
+
+impl From<(f64, Pose)> for Sim3 {
+    fn from((scale, pose): (f64, Pose)) -> Self {
+        Self::scaled(pose, scale)
     }
 }
 

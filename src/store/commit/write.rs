@@ -67,7 +67,7 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         Job::CreateMap { id, properties, digest, owner } => {
             let db = rows.db().await?;
             let key = map_rows::create(db, id, properties, digest, *owner).await?;
-            operation_rows::add(db, (key, FIRST_VERSION), &Operation::from(&**properties)).await
+            operation_rows::add(db, (key, FIRST_VERSION), &Operation::Map((**properties).clone())).await
         }
         Job::DeleteMap(map) => {
             let db = rows.db().await?;
@@ -146,6 +146,8 @@ async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(),
     if defers {
         deferred::defer(rows.db().await?, batch).await?;
     }
+    #[cfg(test)]
+    change_log::tests::expect_form(&batch.changes);
     rows.gathered.advance(batch);
     for change in &batch.changes {
         if !(defers && deferred::is_ordered(change)) {
@@ -181,7 +183,7 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         Change::MapSet(properties) => {
             let db = rows.db().await?;
             map_rows::set_properties(db, map, properties).await?;
-            operation_rows::add(db, of, &Operation::from(&**properties)).await?;
+            operation_rows::add(db, of, &Operation::Map((**properties).clone())).await?;
         }
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
@@ -197,7 +199,7 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             run(rows.db().await?, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await?;
         }
         Change::ObservationsSent(update) => {
-            operation_rows::add(rows.db().await?, of, &Operation::from(&**update)).await?;
+            operation_rows::add(rows.db().await?, of, &Operation::Observations((**update).clone())).await?;
         }
         Change::PointsOfKeyframeSet(points) => {
             observation_rows::set_points_of_keyframe(rows.db().await?, map, points).await?;
@@ -238,14 +240,14 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             let db = rows.db().await?;
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
             run(db, sql::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
-            operation_rows::add(db, of, &operation_rows::described(*seq, text.as_deref())).await?;
+            operation_rows::add(db, of, &Operation::Description { anchor: *seq, text: text.clone() }).await?;
         }
         Change::Merged(merge) => add_merge(rows.db().await?, map, merge).await?,
         Change::Parted(merge) => remove_merge(rows.db().await?, map, merge).await?,
         Change::SessionsMerged(merge) => {
             let db = rows.db().await?;
             session_merge_rows::add(db, of, merge).await?;
-            operation_rows::add(db, of, &Operation::from(&**merge)).await?;
+            operation_rows::add(db, of, &Operation::MergeSessions((**merge).clone())).await?;
         }
         Change::MergeKept(undo) => session_merge_rows::keep_undo(rows.db().await?, of, undo).await?,
         Change::MergeSettled(session) => session_merge_rows::settle(rows.db().await?, map, *session).await?,
@@ -253,7 +255,8 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         Change::LoopAdded(closed) => {
             let db = rows.db().await?;
             add_loop(db, map, closed).await?;
-            operation_rows::add(db, of, &Operation::from(closed)).await?;
+            let Loop { id, keyframe, candidate, query, .. } = closed.clone();
+            operation_rows::add(db, of, &Operation::Loop { id, keyframe, candidate, query }).await?;
         }
         Change::TwinsFound(twins) => twin_rows::add(rows.db().await?, map, twins).await?,
         Change::TwinsWithdrawn(twins) => twin_rows::remove(rows.db().await?, map, twins).await?,
@@ -280,7 +283,7 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             run(db, sql::query(merges).bind(map).bind(id.as_str())).await?;
             let delete = "delete from loops where map_key = $1 and id = $2";
             run(db, sql::query(delete).bind(map).bind(id.as_str())).await?;
-            operation_rows::add(db, of, &operation_rows::revoked(id)).await?;
+            operation_rows::add(db, of, &Operation::LoopRevoked { id: id.clone() }).await?;
         }
     }
     Ok(())
@@ -311,7 +314,7 @@ async fn revoke_merge(
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
     session_merge_rows::remove(db, map, undo).await?;
-    let operation = Operation::MergeRevoked { session: undo.session.0 };
+    let operation = Operation::MergeRevoked { session: undo.session };
     operation_rows::add(db, (map, version), &operation).await
 }
 

@@ -22,10 +22,11 @@ pub(super) struct Introduced {
 
 impl Introduced {
     pub(super) async fn of(db: &mut Connection, map: MapKey) -> Result<Self, StoreError> {
-        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
+        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported. A setting stands
+        // there where it differs from its default.
         let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
                 or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
-                    and json_extract(o.body, '$.settings.keep_history') = 'false')
+                    and json_extract(o.body, '$.settings.keep_history') is not null)
             from maps m where map_key = $1";
         let are_counted = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
         let mut sent = HashSet::new();

@@ -8,8 +8,10 @@ use sqlx::sqlite::SqlitePoolOptions;
 use super::history::{History, NewValues};
 use super::introduced::Introduced;
 use super::merges::Merges;
+use crate::domain::change::ObservationUpdate;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::map::MapProperties;
+use crate::domain::prior::{NewPrior, Prior};
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 use crate::domain::settings::Settings;
@@ -20,7 +22,7 @@ use crate::store::files::lock::DatabaseLock;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::files::schema;
 use crate::store::rows::operation_rows::{self, Operation};
-use crate::store::rows::{decode, map_rows, model_rows, prior_rows};
+use crate::store::rows::{decode, model_rows};
 use crate::store::sql::{self, Pool, Row};
 use crate::store::{Store, StoreError};
 
@@ -152,7 +154,7 @@ impl Export {
                     && matches!(
                         operation,
                         Operation::ObservationsUnread
-                            | Operation::MergeSessions { .. }
+                            | Operation::MergeSessions(_)
                             | Operation::MergeRevoked { .. }
                     )
             });
@@ -199,18 +201,16 @@ impl Export {
 
     /// Returns what a client said of its points and edges, as far as the keyframes are still there.
     async fn observations(&mut self, operation: Operation) -> Result<Step, StoreError> {
-        let Operation::Observations { session, replaced, removed, keyframes: rows } = operation else {
-            return Ok(Step::LeftOut);
-        };
-        let session = SessionSeq(session);
-        let mut keyframes = Vec::with_capacity(rows.len());
-        for row in rows {
-            let Some((_, keyframe)) = self.named(KeyframeSeq(row.keyframe)).await? else { continue };
-            let mut covisible = Vec::with_capacity(row.covisible.len());
-            for (other, shared) in row.covisible {
-                covisible.extend(self.named(KeyframeSeq(other)).await?.map(|(_, id)| (id, shared)));
+        let Operation::Observations(update) = operation else { return Ok(Step::LeftOut) };
+        let ObservationUpdate { session, replaced, removed, keyframes: updates } = update;
+        let mut keyframes = Vec::with_capacity(updates.len());
+        for update in updates {
+            let Some((_, keyframe)) = self.named(update.keyframe).await? else { continue };
+            let mut covisible = Vec::with_capacity(update.covisible.len());
+            for (other, shared) in update.covisible {
+                covisible.extend(self.named(other).await?.map(|(_, id)| (id, shared)));
             }
-            keyframes.push(ChangedKeyframe { keyframe, observes: row.observes, covisible });
+            keyframes.push(ChangedKeyframe { keyframe, observes: update.observes, covisible });
         }
         if !self.begun.contains(&session)
             || (keyframes.is_empty() && replaced.is_empty() && removed.is_empty())
@@ -224,53 +224,52 @@ impl Export {
 
     async fn operation(&mut self, version: u64, operation: Operation) -> Result<Step, StoreError> {
         Ok(match operation {
-            Operation::Map { description, metric, gravity, anchor_classes, code_classes, settings } => {
-                let gravity = gravity.map(decode::given_gravity).transpose()?;
-                let settings = map_rows::settings(settings)?;
-                let now =
-                    MapProperties { description, metric, gravity, anchor_classes, code_classes, settings };
+            Operation::Map(now) => {
                 let patch = difference(&self.properties, &now);
                 self.properties = now;
                 Step::of(Recorded::Map(patch))
             }
-            Operation::ObservationsUnread | Operation::Observations { .. } => {
+            Operation::ObservationsUnread | Operation::Observations(_) => {
                 let said = operation_rows::observations(&mut self.db, (self.map, version)).await?;
                 self.observations(said).await?
             }
-            merge @ Operation::MergeSessions { .. } => self.merge(merge)?,
-            Operation::MergeRevoked { session } => self.revoke_merge(SessionSeq(session))?,
+            Operation::MergeSessions(merge) => self.merge(merge)?,
+            Operation::MergeRevoked { session } => self.revoke_merge(session)?,
             Operation::Loop { id, keyframe, candidate, query } => {
-                let keyframe = self.named(KeyframeSeq(keyframe)).await?;
-                let candidate = self.named(KeyframeSeq(candidate)).await?;
+                let (keyframe, candidate) = (self.named(keyframe).await?, self.named(candidate).await?);
                 let (Some((_, keyframe)), Some((_, candidate))) = (keyframe, candidate) else {
                     return Ok(Step::LeftOut);
                 };
-                let id: LoopId = decode::id(&id)?;
                 self.loops.insert(id.clone());
                 let candidate_from_query = self.measured(&id).await?;
                 Step::of(Recorded::Loop(NewLoop { id, keyframe, candidate, query, candidate_from_query }))
             }
             Operation::LoopRevoked { id } => {
-                let id: LoopId = decode::id(&id)?;
-                if self.loops.remove(&id) { Step::of(Recorded::LoopRevoked(id)) } else { Step::LeftOut }
+                if self.loops.remove(&id) {
+                    Step::of(Recorded::LoopRevoked(id))
+                } else {
+                    Step::LeftOut
+                }
             }
             Operation::Description { anchor, text } => {
-                let Some((keyframe, of_version, detection)) = self.detection_of(AnchorSeq(anchor)).await?
-                else {
+                let Some((keyframe, of_version, detection)) = self.detection_of(anchor).await? else {
                     return Ok(Step::LeftOut);
                 };
-                let described = Recorded::Description { detection, text };
+                let described = Recorded::Description { detection, text: text.map(Into::into) };
                 if of_version <= version {
                     return Ok(Step::of(described));
                 }
                 self.waiting.entry(keyframe).or_default().push(described);
                 Step::LeftOut
             }
-            Operation::PriorDeleted { id } => Step::of(Recorded::PriorDeleted(decode::id(&id)?)),
-            Operation::Prior { frame, .. } => {
-                let frame = self.session(SessionSeq(frame))?.clone();
-                prior_rows::as_put(operation, frame)?
-                    .map_or(Step::LeftOut, |prior| Step::of(Recorded::Prior(prior)))
+            Operation::PriorDeleted { id } => Step::of(Recorded::PriorDeleted(id)),
+            Operation::Prior { class, prior } => {
+                let Prior { id, frame, description, position_in_frame, normal_in_frame, source } = prior;
+                let (description, source) = (description.into(), source.map(Into::into));
+                let frame = self.session(frame)?.clone();
+                let put =
+                    NewPrior { id, class, description, position_in_frame, frame, normal_in_frame, source };
+                Step::of(Recorded::Prior(put))
             }
             Operation::AnchorDeleted {} => {
                 let select = "select k.id, d.detection from detections d

@@ -5,16 +5,14 @@
 //! | connections, pools | [`opening`] |
 //! | which server may write to a map | [`leases`] |
 //! | the servers that are there | [`nodes`] |
-//! | what a map's newest versions changed | [`change_log`], [`change_form`] |
+//! | what a map's newest versions changed | [`change_log`] |
 //! | the servers that follow a map | [`followers`], [`followed`] |
 //! | keys' rates and budgets of models, across servers | [`shares`] |
 //! | the schema's versions | [`schema`] |
 
-mod change_form;
 pub(super) mod change_log;
 mod followed;
 mod followers;
-mod form_parts;
 mod key_list;
 pub(super) mod leases;
 pub(super) mod nodes;

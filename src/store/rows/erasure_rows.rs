@@ -1,11 +1,10 @@
 //! Erasures, as rows.
 
-use serde::{Deserialize, Serialize};
-
 use super::decode;
+use super::json;
 use super::statement::run;
 use crate::domain::erasure::{Erasure, ErasureState, MergedInVersion, NewErasure};
-use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
+use crate::domain::ids::{MapId, ReleaseName, SessionId};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Connection, Row};
@@ -13,12 +12,6 @@ use crate::store::{Store, StoreError};
 
 /// Erasures of a map that are kept on record, oldest out first.
 const ERASURES_KEPT: i64 = 1000;
-
-#[derive(Serialize, Deserialize)]
-struct AskedRow {
-    keyframes: Vec<String>,
-    sessions: Vec<String>,
-}
 
 /// An erasure that was not done when the process ended, or is under way.
 #[derive(Clone, Debug)]
@@ -42,14 +35,7 @@ pub(in crate::store) async fn begin(
     asked: &NewErasure,
     at: Stamp,
 ) -> Result<(), StoreError> {
-    let names = |ids: &[KeyframeId]| ids.iter().map(ToString::to_string).collect();
-    let row = match asked {
-        NewErasure::Keyframes(ids) => AskedRow { keyframes: names(ids), sessions: Vec::new() },
-        NewErasure::Sessions(ids) => {
-            AskedRow { keyframes: Vec::new(), sessions: ids.iter().map(ToString::to_string).collect() }
-        }
-    };
-    let body = serde_json::to_string(&row).map_err(|error| StoreError::Database(error.to_string()))?;
+    let body = json::text(asked)?;
     let insert =
         "insert into erasures (map_key, number, state, asked, keyframes, releases, begun_sec, begun_nanosec)
         values ($1, $2, $3, $4, 0, 0, $5, $6)";
@@ -115,7 +101,7 @@ impl Store {
         let rows: Vec<(String, MapKey, i64, Option<String>, i64)> =
             sql::query_as(select).fetch_all(&self.readers).await?;
         let open = |(map, key, number, asked, counted): (String, MapKey, i64, Option<String>, i64)| {
-            let asked = asked.as_deref().map(read_asked).transpose()?;
+            let asked = asked.as_deref().map(json::value).transpose()?;
             let (number, is_counted) = (number.unsigned_abs(), counted > 0);
             Ok(OpenErasure { map: decode::id(&map)?, key, number, asked, is_counted })
         };
@@ -169,18 +155,6 @@ impl Store {
         let select = "select exists (select 1 from deferred_changes where map_key = $1)";
         Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
-}
-
-fn read_asked(text: &str) -> Result<NewErasure, StoreError> {
-    let row: AskedRow =
-        serde_json::from_str(text).map_err(|error| StoreError::corrupt(format!("an erasure: {error}")))?;
-    Ok(if row.sessions.is_empty() {
-        NewErasure::Keyframes(row.keyframes.iter().map(|id| decode::id(id)).collect::<Result<_, _>>()?)
-    } else {
-        let sessions: Result<Vec<SessionId>, StoreError> =
-            row.sessions.iter().map(|id| decode::id(id)).collect();
-        NewErasure::Sessions(sessions?)
-    })
 }
 
 fn erasure(row: &Row) -> Result<Erasure, StoreError> {

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use super::blob::gravity_blob;
 use super::bulk_insert::write_rows;
 use super::decode::{self, digest};
+use super::json;
 use super::statement::run;
-use crate::domain::ids::{AnchorSeq, MapId};
+use crate::domain::ids::MapId;
 use crate::domain::key::KeySeq;
-use crate::domain::map::{Learned, MapFigures, MapProperties, NamedTwins};
+use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::method::Method;
 use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
@@ -41,7 +42,7 @@ pub(in crate::store) async fn create(
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
         select $1, $2, '', 0, 1, 0, 0, last + 1, $3, $4, $5 from event_numbers";
     let query = sql::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
-    run(db, query.bind(owner.map(|owner| owner.0)).bind(learned_text(&Learned::default()))).await?;
+    run(db, query.bind(owner.map(|owner| owner.0)).bind(json::text(&Learned::default())?)).await?;
     set_properties(db, key, properties).await?;
     Ok(key)
 }
@@ -64,11 +65,12 @@ pub(in crate::store) async fn advance(
     db: &mut Connection,
     batches: impl Iterator<Item = &Batch>,
 ) -> Result<(), StoreError> {
-    let batches: Vec<&Batch> = batches.collect();
     let head = "update maps set version = column2, next_keyframe = column3, next_anchor = column4,
         next_event = column5, keyframes = column6, anchors = column7, sessions = column8, loops = column9,
         bytes = column10, memory_bytes = column11, learned = column12 from (";
-    write_rows(db, head, ") as given where maps.map_key = column1", &batches, |row, batch| {
+    let with_learned = batches.map(|batch| Ok((batch, json::text(&batch.learned)?)));
+    let rows: Vec<(&Batch, String)> = with_learned.collect::<Result<_, StoreError>>()?;
+    write_rows(db, head, ") as given where maps.map_key = column1", &rows, |row, (batch, learned)| {
         let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
         row.push_bind(batch.map).push_bind(batch.version as i64);
         row.push_bind(batch.next_keyframe.0)
@@ -76,7 +78,7 @@ pub(in crate::store) async fn advance(
             .push_bind(batch.next_event as i64);
         row.push_bind(keyframes as i64).push_bind(anchors as i64).push_bind(sessions as i64);
         row.push_bind(loops as i64).push_bind(bytes as i64).push_bind(batch.memory_bytes as i64);
-        row.push_bind(learned_text(&batch.learned));
+        row.push_bind(learned.clone());
     })
     .await
 }
@@ -185,35 +187,9 @@ pub(in crate::store) fn figures(row: &Row) -> Result<MapFigures, StoreError> {
     })
 }
 
-fn learned_text(learned: &Learned) -> String {
-    let Learned { numbering, twins } = learned;
-    let pair = |twins: &NamedTwins| {
-        let NamedTwins { keyframe, candidate, anchor, candidate_anchor } = twins;
-        (keyframe.as_str().to_owned(), candidate.as_str().to_owned(), anchor.0, candidate_anchor.0)
-    };
-    let twins: Vec<_> = twins.iter().map(pair).collect();
-    serde_json::json!({"numbering": **numbering, "twins": twins}).to_string()
-}
-
 /// Returns what a map's row says that it has learned.
 pub(in crate::store) fn learned(row: &Row) -> Result<Learned, StoreError> {
-    #[derive(serde::Deserialize)]
-    struct Row {
-        numbering: BTreeMap<Box<str>, Vec<String>>,
-        twins: Vec<(String, String, u32, u32)>,
-    }
-    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
-    let Row { numbering, twins } = serde_json::from_str(row.try_get("learned")?).map_err(unread)?;
-    let named = |(keyframe, candidate, anchor, other): (String, String, u32, u32)| {
-        Ok(NamedTwins {
-            keyframe: decode::id(&keyframe)?,
-            candidate: decode::id(&candidate)?,
-            anchor: AnchorSeq(anchor),
-            candidate_anchor: AnchorSeq(other),
-        })
-    };
-    let twins = twins.into_iter().map(named).collect::<Result<_, StoreError>>()?;
-    Ok(Learned { numbering: numbering.into(), twins })
+    json::value(row.try_get("learned")?)
 }
 
 /// Returns a map's properties, in place of those it had.

@@ -10,6 +10,7 @@ pub(super) mod decode;
 pub(super) mod erasure_rows;
 pub(super) mod former_value_rows;
 pub(super) mod frame_rows;
+mod json;
 pub(super) mod judgement_rows;
 pub(super) mod key_rows;
 pub(super) mod keyframe_rows;

@@ -6,8 +6,8 @@ use super::operation_rows::{self, Operation};
 use super::statement::run;
 use super::validate::{self, Known};
 use crate::domain::change::Change;
-use crate::domain::ids::{AnchorSeq, SessionId, SessionSeq};
-use crate::domain::prior::{NewPrior, Prior};
+use crate::domain::ids::{AnchorSeq, SessionSeq};
+use crate::domain::prior::Prior;
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
@@ -36,7 +36,7 @@ pub(in crate::store) async fn add(
     run(db, query).await?;
     let select = "select class from anchors where map_key = $1 and anchor = $2";
     let class: String = sql::query_scalar(select).bind(map).bind(anchor.0).fetch_one(&mut *db).await?;
-    operation_rows::add(db, (map, version), &operation_rows::prior(class, prior)).await
+    operation_rows::add(db, (map, version), &Operation::Prior { class, prior: prior.clone() }).await
 }
 
 /// Removes a prior anchor, and notes that it was deleted; does nothing if the anchor is none.
@@ -49,7 +49,10 @@ pub(in crate::store) async fn remove(
     let removed: Option<String> =
         sql::query_scalar(delete).bind(map).bind(anchor.0).fetch_optional(&mut *db).await?;
     match removed {
-        Some(id) => operation_rows::add(db, (map, version), &Operation::PriorDeleted { id }).await,
+        Some(id) => {
+            let operation = Operation::PriorDeleted { id: decode::id(&id)? };
+            operation_rows::add(db, (map, version), &operation).await
+        }
         None => Ok(()),
     }
 }
@@ -81,23 +84,4 @@ fn prior(row: &Row) -> Result<Prior, StoreError> {
         normal_in_frame: normal.map(unpack_array::<f64, 3>).transpose()?,
         source: row.try_get::<Option<String>, _>("source")?.map(Into::into),
     })
-}
-
-/// Returns a prior anchor as its operation says that it was put.
-pub(in crate::store) fn as_put(
-    operation: Operation,
-    frame: SessionId,
-) -> Result<Option<NewPrior>, StoreError> {
-    let Operation::Prior { id, class, description, position, normal, source, .. } = operation else {
-        return Ok(None);
-    };
-    Ok(Some(NewPrior {
-        id: decode::id(&id)?,
-        class,
-        description,
-        position_in_frame: position.into(),
-        frame,
-        normal_in_frame: normal,
-        source,
-    }))
 }

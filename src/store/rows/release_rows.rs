@@ -50,7 +50,7 @@ pub(in crate::store) async fn finish_copy(
             run(db, query.bind(&digest[..]).bind(owner.map(|owner| owner.0))).await?;
             run(db, sql::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;
             map_rows::set_properties(db, copy, properties).await?;
-            operation_rows::add(db, (copy, *version), &Operation::from(&**properties)).await
+            operation_rows::add(db, (copy, *version), &Operation::Map((**properties).clone())).await
         }
     }
 }

@@ -1,12 +1,11 @@
 //! Merges of sessions, as rows. A keyframe's row keeps the session that was sent; these say which it is of by now.
 
-use serde::{Deserialize, Serialize};
-
 use super::former_value_rows;
+use super::json;
 use super::statement::run;
-use crate::domain::change::{Change, PointsOfKeyframe, Renamed, SessionMerge};
+use crate::domain::change::{Change, SessionMerge};
 use crate::domain::former::FormerValues;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::session_merge::MergeUndo;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
@@ -51,8 +50,7 @@ pub(in crate::store) async fn keep_undo(
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
-    let body = serde_json::to_string(&UndoRow::from(undo))
-        .map_err(|error| StoreError::Database(error.to_string()))?;
+    let body = json::text(undo)?;
     let update = "update session_merges set undo = $3 where map_key = $1 and version = $2";
     run(db, sql::query(update).bind(map).bind(version as i64).bind(body)).await
 }
@@ -116,80 +114,11 @@ pub(in crate::store) async fn undo(
     map: MapKey,
     session: SessionSeq,
 ) -> Result<Option<(MergeUndo, FormerValues)>, StoreError> {
-    let select = "select version, into_session, next_keyframe, undo from session_merges
+    let select = "select version, undo from session_merges
         where map_key = $1 and session = $2 and undo is not null";
     let query = sql::query_as(select).bind(map).bind(session.0);
-    let found: Option<(i64, u32, u32, String)> = query.fetch_optional(&mut *db).await?;
-    let Some((version, into, next_keyframe, body)) = found else { return Ok(None) };
-    let row: UndoRow = serde_json::from_str(&body)
-        .map_err(|error| StoreError::corrupt(format!("the merge of version {version}: {error}")))?;
+    let found: Option<(i64, String)> = query.fetch_optional(&mut *db).await?;
+    let Some((version, body)) = found else { return Ok(None) };
     let former = former_value_rows::of_version(db, map, version).await?;
-    Ok(Some((row.undo(session, SessionSeq(into), KeyframeSeq(next_keyframe)), former)))
-}
-
-/// The values that revoke a merge, as JSON.
-#[derive(Serialize, Deserialize)]
-struct UndoRow {
-    keyframes: Vec<u32>,
-    points: Vec<PointsRow>,
-    detections: Vec<(u32, u16, Vec<i64>)>,
-    merges: Vec<(u32, u32)>,
-}
-
-/// The points that a keyframe observed.
-#[derive(Serialize, Deserialize)]
-struct PointsRow {
-    keyframe: u32,
-    observes: Vec<i64>,
-    declared: Option<Vec<(u32, u32)>>,
-    renamed: Vec<(i64, i64)>,
-    renames_all: bool,
-    bytes: u64,
-}
-
-impl From<&MergeUndo> for UndoRow {
-    fn from(undo: &MergeUndo) -> Self {
-        let points = |of: &PointsOfKeyframe| PointsRow {
-            keyframe: of.keyframe.0,
-            observes: of.observes.to_vec(),
-            declared: of
-                .declared
-                .as_ref()
-                .map(|listed| listed.iter().map(|(other, shared)| (other.0, *shared)).collect()),
-            renamed: of.renamed.pairs.to_vec(),
-            renames_all: of.renamed.is_complete,
-            bytes: of.bytes,
-        };
-        let detections = undo.detections.iter();
-        Self {
-            keyframes: undo.keyframes.iter().map(|keyframe| keyframe.0).collect(),
-            points: undo.points.iter().map(points).collect(),
-            detections: detections.map(|(keyframe, n, points)| (keyframe.0, *n, points.to_vec())).collect(),
-            merges: undo.merges.iter().map(|(into, from)| (into.0, from.0)).collect(),
-        }
-    }
-}
-
-impl UndoRow {
-    fn undo(self, session: SessionSeq, into: SessionSeq, next_keyframe: KeyframeSeq) -> MergeUndo {
-        let points = |row: PointsRow| PointsOfKeyframe {
-            keyframe: KeyframeSeq(row.keyframe),
-            observes: row.observes.into(),
-            declared: row.declared.map(|listed| {
-                listed.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect()
-            }),
-            renamed: Renamed { pairs: row.renamed.into(), is_complete: row.renames_all },
-            bytes: row.bytes,
-        };
-        let detections = self.detections.into_iter();
-        MergeUndo {
-            session,
-            into,
-            next_keyframe,
-            keyframes: self.keyframes.into_iter().map(KeyframeSeq).collect(),
-            points: self.points.into_iter().map(points).collect(),
-            detections: detections.map(|(seq, n, points)| (KeyframeSeq(seq), n, points.into())).collect(),
-            merges: self.merges.into_iter().map(|(into, from)| (AnchorSeq(into), AnchorSeq(from))).collect(),
-        }
-    }
+    Ok(Some((json::value(&body)?, former)))
 }
