@@ -138,7 +138,7 @@ proptest! {
 async fn a_session_that_merges_back_with_other_numbers_takes_no_position_from_before() {
     let sees_3 =
         requests::Seen { class: 0, text: None, confidence: 3, points: vec![3], position: None, crop: false };
-    holds_after(vec![
+    Box::pin(holds_after(vec![
         Request::Plates(0),
         Request::Put {
             name: 12,
@@ -150,6 +150,6 @@ async fn a_session_that_merges_back_with_other_numbers_takes_no_position_from_be
         },
         Request::Merge { session: 0, numbers: Some(Err(vec![(1, 8), (3, 2)])), turned: false },
         Request::Merge { session: 1, numbers: Some(Ok(2)), turned: false },
-    ])
+    ]))
     .await;
 }
