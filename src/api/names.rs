@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::openapi::extensions::ExtensionsBuilder;
 use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
@@ -26,7 +25,8 @@ use crate::named::Named;
 use crate::semantics::TextKind;
 
 /// A value of the model, written as its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Name<T>(pub T);
 
 /// The place of an enum in the API document.
@@ -90,19 +90,6 @@ impl Documented for ReasonCode {
 impl<T> From<T> for Name<T> {
     fn from(value: T) -> Self {
         Self(value)
-    }
-}
-
-impl<T: Named> Serialize for Name<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.name())
-    }
-}
-
-impl<'de, T: Named> Deserialize<'de> for Name<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = Cow::<str>::deserialize(deserializer)?;
-        T::of_name(&name).map(Self).ok_or_else(|| D::Error::unknown_variant(&name, T::NAMES))
     }
 }
 

@@ -12,7 +12,7 @@ use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
 use super::access::{Access, HeldKey, KeyUse};
-use crate::domain::key::{Action, Key, KeyProperties, KeySeq, SecretHash, secret_hash};
+use crate::domain::key::{Action, Key, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
 use crate::engine::ServiceError;
@@ -166,9 +166,9 @@ impl Keyring {
         good.map(|(seq, held)| (*seq, held.uses())).collect()
     }
 
-    /// Returns what a key was made with, good or not.
-    pub fn properties(&self, key: KeySeq) -> Option<KeyProperties> {
-        self.table().by_seq.get(&key).map(|held| held.key.properties.clone())
+    /// Returns a key, good or not.
+    pub fn held(&self, key: KeySeq) -> Option<Arc<HeldKey>> {
+        self.table().by_seq.get(&key).cloned()
     }
 
     /// Returns every key, in order of creation.

@@ -33,7 +33,7 @@ impl Keyring {
                 // Another server made one of this number meanwhile.
                 Err((error, Some(seq))) if tries < CREATED_AGAIN_MAX => {
                     self.reload().await?;
-                    if self.properties(seq).is_none() {
+                    if self.held(seq).is_none() {
                         return Err(error);
                     }
                 }

@@ -10,7 +10,7 @@ use crate::engine::ServiceError;
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
 
-/// What limits how a map may grow.
+/// The limits within which a map may grow.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::engine) struct Room {
     /// Of each map.
@@ -19,12 +19,12 @@ pub(in crate::engine) struct Room {
     pub of_key: Option<KeyRoom>,
 }
 
-/// What the maps that a key made hold, with their releases, and may hold, in bytes.
+/// The bytes that the maps of a key hold, with their releases, and may hold.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::engine) struct KeyRoom {
-    /// What they hold.
+    /// Bytes that they hold.
     pub holds: u64,
-    /// What they may.
+    /// Bytes that they may hold.
     pub most: u64,
 }
 

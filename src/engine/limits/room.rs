@@ -16,14 +16,16 @@ impl Service {
         owner: Option<KeySeq>,
     ) -> Result<Option<KeyRoom>, ServiceError> {
         let Some(owner) = owner else { return Ok(None) };
-        let Some(most) = self.keys.properties(owner).and_then(|of| of.max_bytes) else { return Ok(None) };
+        let limit = self.keys.held(owner).and_then(|held| held.key.properties.max_bytes);
+        let Some(most) = limit else { return Ok(None) };
         Ok(Some(KeyRoom { holds: self.key_bytes.of(&self.store, owner).await?, most }))
     }
 
     /// Refuses one map more of a key that has made as many as it may. To be asked while no other map can be made.
     pub(in crate::engine) async fn check_new_map(&self, owner: Option<KeySeq>) -> Result<(), ServiceError> {
         let Some(owner) = owner else { return Ok(()) };
-        let Some(most) = self.keys.properties(owner).and_then(|of| of.max_maps) else { return Ok(()) };
+        let limit = self.keys.held(owner).and_then(|held| held.key.properties.max_maps);
+        let Some(most) = limit else { return Ok(()) };
         let maps = self.store.made_by(owner).await?.maps;
         if maps < u64::from(most) {
             return Ok(());

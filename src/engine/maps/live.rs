@@ -35,7 +35,7 @@ const KEPT_UNDER_WAY_MAX: usize = 256;
 /// Reason why a database server that does not know what was written is not believed.
 const BEHIND: &str = "the one that answers is behind the one that was written to";
 
-/// What is known of a map's frames as they are kept.
+/// The state of a map's frames as they are kept.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct FramesChecked {
     /// The version at which they were last found to be those of the map; 0 if they never were.

@@ -50,7 +50,9 @@ impl Service {
             return;
         }
         tokio::spawn(async move {
-            if let Some(rested) = live.frames_checked.lock().await.rested {
+            // By itself: the lock must not be held meanwhile.
+            let rested = live.frames_checked.lock().await.rested;
+            if let Some(rested) = rested {
                 sleep_until(rested).await;
             }
             live.frames_due.store(false, Ordering::Release);
@@ -219,4 +221,32 @@ fn default_reference(frames: &FleetFrames) -> Option<&FramedSession> {
     let joined = |root: SessionSeq| frames.sessions.iter().filter(|of| of.root == root).count();
     let roots = frames.sessions.iter().filter(|of| of.root == of.session);
     roots.rev().max_by_key(|of| joined(of.session))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tokio::time::Instant;
+
+    use crate::domain::ids::MapId;
+    use crate::domain::map::MapProperties;
+    use crate::engine::{Service, ServiceOptions};
+
+    #[tokio::test]
+    async fn who_reads_frames_does_not_wait_for_the_rest_of_those_that_are_computed_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite://{}/test.db", folder.path().display());
+        let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
+        let map: MapId = "hotel".parse().unwrap();
+        service.put_map(map.clone(), MapProperties::default(), None).await.unwrap();
+        let live = service.live(&map).await.unwrap();
+        live.frames_checked.lock().await.rested = Some(Instant::now() + Duration::from_hours(1));
+        service.frame_behind(&live);
+        // It begins to rest.
+        tokio::task::yield_now().await;
+        let read = tokio::time::timeout(Duration::from_mins(1), service.frames(&map, None));
+        read.await.expect("an answer at once").unwrap();
+        service.close().await;
+    }
 }

@@ -24,7 +24,8 @@ impl Service {
     /// Who pays, with the limits of the key.
     pub(in crate::engine) fn payer(&self, key: Option<KeySeq>) -> Option<Payer> {
         let key = key?;
-        let properties = self.keys.properties(key)?;
+        let held = self.keys.held(key)?;
+        let properties = &held.key.properties;
         let limits = Limits {
             calls: properties.model_daily_calls.map(i64::from),
             microusd: properties.model_daily_microusd.map(|microusd| microusd as i64),

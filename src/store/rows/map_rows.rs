@@ -19,7 +19,7 @@ use crate::store::commit::job::{Batch, MapKey};
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
-/// What a key made.
+/// The maps that a key made, counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MadeByKey {
     /// Maps that exist.
