@@ -27,6 +27,8 @@ create table maps (
     memory_bytes bigint not null default 0,
     learned text collate "C" not null,
     gravity bytea,
+    waits_version bigint,
+    waits_part bigint,
     constraint maps_key primary key (map_key),
     constraint maps_id unique (id)
 );
@@ -345,76 +347,6 @@ create table key_usage (
 
 create index maps_deleted on maps (map_key) where deleted = 1;
 
-create table deferred_changes (
-    map_key bigint not null,
-    -- The version of the map that these changes make.
-    version bigint not null,
-    parts bigint not null,
-    -- The first part that is not in the rows yet, and how many of its entries are.
-    part bigint not null,
-    entries_done bigint not null,
-    constraint deferred_changes_key primary key (map_key, version),
-    constraint deferred_changes_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table deferred_parts (
-    map_key bigint not null,
-    version bigint not null,
-    part bigint not null,
-    -- `poses`, `points`, `forgotten`, `positions` or `touched`, and a packed list of them.
-    kind text collate "C" not null,
-    entries bytea not null,
-    constraint deferred_parts_key primary key (map_key, version, part),
-    constraint deferred_parts_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table replaced_verdicts (
-    map_key bigint not null,
-    map_version bigint not null,
-    operation text collate "C" not null,
-    class text collate "C" not null,
-    a text collate "C" not null,
-    b text collate "C" not null,
-    level bigint,
-    text text collate "C",
-    source text collate "C" not null,
-    reason text collate "C" not null,
-    fingerprint text collate "C" not null,
-    constraint replaced_verdicts_key primary key (map_key, map_version, operation, class, a, b),
-    constraint replaced_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table replaced_readings (
-    map_key bigint not null,
-    map_version bigint not null,
-    keyframe bigint not null,
-    detection bigint not null,
-    text text collate "C" not null,
-    source text collate "C" not null,
-    described bigint not null,
-    degraded bigint not null,
-    fingerprint text collate "C" not null,
-    constraint replaced_readings_key primary key (map_key, map_version, keyframe, detection),
-    constraint replaced_readings_detection foreign key (map_key, keyframe, detection)
-        references detections (map_key, keyframe, detection) on delete cascade
-);
-
-create index replaced_readings_by_detection on replaced_readings (map_key, keyframe, detection);
-
-create table replaced_transcripts (
-    map_key bigint not null,
-    map_version bigint not null,
-    keyframe bigint not null,
-    detection bigint not null,
-    step bigint not null,
-    speaker text collate "C" not null,
-    question text collate "C" not null,
-    answer text collate "C" not null,
-    constraint replaced_transcripts_key primary key (map_key, map_version, keyframe, detection, step),
-    constraint replaced_transcripts_reading foreign key (map_key, map_version, keyframe, detection)
-        references replaced_readings (map_key, map_version, keyframe, detection) on delete cascade
-);
-
 create table judgements (
     map_key bigint not null,
     id text collate "C" not null,
@@ -485,27 +417,20 @@ create index detections_by_deleted_anchor on detections (map_key, deleted_anchor
 
 create index detections_by_deletion on detections (map_key, deleted_in) where deleted_in is not null;
 
-create table former_values (
+create table versions (
     map_key bigint not null,
-    -- The version that replaced them.
     version bigint not null,
     part bigint not null,
-    -- `former_poses`, `former_points`, `former_forgotten` or `former_positions`, and a packed list of them.
+    -- `said`, `moved`, `passing` or `unsaid`.
     kind text collate "C" not null,
-    entries bytea not null,
-    constraint former_values_key primary key (map_key, version, part),
-    constraint former_values_map foreign key (map_key) references maps (map_key) on delete cascade
+    body bytea not null,
+    constraint versions_key primary key (map_key, version, part),
+    constraint versions_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
-create table operations (
-    map_key bigint not null,
-    version bigint not null,
-    -- Tells the operations of one version apart.
-    operation text collate "C" not null,
-    body text collate "C" not null,
-    constraint operations_key primary key (map_key, version, operation),
-    constraint operations_map foreign key (map_key) references maps (map_key) on delete cascade
-);
+create index versions_unsaid on versions (map_key, version) where part < 0;
+
+create index maps_waiting on maps (map_key) where waits_version is not null;
 
 create table map_keys (
     only_row bigint not null,
@@ -581,7 +506,7 @@ create table session_merges (
     into_session bigint not null,
     -- The number that the next keyframe had: it, and those after it, are not concerned.
     next_keyframe bigint not null,
-    -- What revokes the merge beside the former values of its version, as JSON; null once something was written on top of it.
+    -- What revokes the merge beside the values that the log says it replaced, as JSON; null once something was written on top of it.
     undo text collate "C",
     constraint session_merges_key primary key (map_key, version),
     constraint session_merges_map foreign key (map_key) references maps (map_key) on delete cascade

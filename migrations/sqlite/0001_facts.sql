@@ -38,6 +38,9 @@ create table maps (
     learned text not null,
     -- float64 x y z: the unit vector of gravity in the frame of the map's sessions; null where it is not known.
     gravity blob,
+    -- The part of the log from which on poses and points wait for their rows; null where none do.
+    waits_version integer,
+    waits_part integer,
     constraint maps_key primary key (map_key),
     constraint maps_id unique (id)
 ) strict;
@@ -389,80 +392,6 @@ create table key_usage (
 
 create index maps_deleted on maps (map_key) where deleted = 1;
 
--- Changes of poses and points that are committed, and not yet in the rows that they change. Versions apply in their order.
--- The parts of a version count from the moment that it has a row here.
-create table deferred_changes (
-    map_key integer not null,
-    -- The version of the map that these changes make.
-    version integer not null,
-    parts integer not null,
-    -- The first part that is not in the rows yet, and how many of its entries are.
-    part integer not null,
-    entries_done integer not null,
-    constraint deferred_changes_key primary key (map_key, version),
-    constraint deferred_changes_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
-
-create table deferred_parts (
-    map_key integer not null,
-    version integer not null,
-    part integer not null,
-    -- `poses`, `points`, `forgotten`, `positions` or `touched`, and a packed list of them.
-    kind text not null,
-    entries blob not null,
-    constraint deferred_parts_key primary key (map_key, version, part),
-    constraint deferred_parts_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict;
-
--- Verdicts as they stood until this version of the map replaced them. They explain the answers of earlier versions.
-create table replaced_verdicts (
-    map_key integer not null,
-    map_version integer not null,
-    operation text not null,
-    class text not null,
-    a text not null,
-    b text not null,
-    level integer,
-    text text,
-    source text not null,
-    reason text not null,
-    fingerprint text not null,
-    constraint replaced_verdicts_key primary key (map_key, map_version, operation, class, a, b),
-    constraint replaced_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
-
--- The same of readings, each with its dialogue.
-create table replaced_readings (
-    map_key integer not null,
-    map_version integer not null,
-    keyframe integer not null,
-    detection integer not null,
-    text text not null,
-    source text not null,
-    described integer not null,
-    degraded integer not null,
-    fingerprint text not null,
-    constraint replaced_readings_key primary key (map_key, map_version, keyframe, detection),
-    constraint replaced_readings_detection foreign key (map_key, keyframe, detection)
-        references detections (map_key, keyframe, detection) on delete cascade
-) strict, without rowid;
-
-create index replaced_readings_by_detection on replaced_readings (map_key, keyframe, detection);
-
-create table replaced_transcripts (
-    map_key integer not null,
-    map_version integer not null,
-    keyframe integer not null,
-    detection integer not null,
-    step integer not null,
-    speaker text not null,
-    question text not null,
-    answer text not null,
-    constraint replaced_transcripts_key primary key (map_key, map_version, keyframe, detection, step),
-    constraint replaced_transcripts_reading foreign key (map_key, map_version, keyframe, detection)
-        references replaced_readings (map_key, map_version, keyframe, detection) on delete cascade
-) strict, without rowid;
-
 -- The jobs that ask again, each with the question that it has come to.
 create table judgements (
     map_key integer not null,
@@ -539,31 +468,24 @@ create index detections_by_deleted_anchor on detections (map_key, deleted_anchor
 
 create index detections_by_deletion on detections (map_key, deleted_in) where deleted_in is not null;
 
--- History: what a map was sent, as far as its rows do not say it any more. `export` writes it as a recording.
-
--- The values that corrections, and keyframes that bring points again, replaced. What is not replaced has no row.
-create table former_values (
+-- The log: what versions of a map said and replaced that its rows do not tell. `export` reads it beside the rows.
+create table versions (
     map_key integer not null,
-    -- The version that replaced them.
     version integer not null,
+    -- 0 says what the version said, and makes it count. Those above hold poses and points of a large correction; they are written
+    -- first, and wait for their rows. -1 is what models said before this version.
     part integer not null,
-    -- `former_poses`, `former_points`, `former_forgotten` or `former_positions`, and a packed list of them.
+    -- `said`; `moved`: poses and points, or values that were replaced; `passing`: goes once it is in the rows; `unsaid`.
     kind text not null,
-    entries blob not null,
-    constraint former_values_key primary key (map_key, version, part),
-    constraint former_values_map foreign key (map_key) references maps (map_key) on delete cascade
+    -- MessagePack, as `store/log/entry.rs` has it.
+    body blob not null,
+    constraint versions_key primary key (map_key, version, part),
+    constraint versions_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict;
 
--- What else was said of a map, in JSON: its properties, loops confirmed and revoked, descriptions by hand, anchors deleted.
-create table operations (
-    map_key integer not null,
-    version integer not null,
-    -- Tells the operations of one version apart.
-    operation text not null,
-    body text not null,
-    constraint operations_key primary key (map_key, version, operation),
-    constraint operations_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
+create index versions_unsaid on versions (map_key, version) where part < 0;
+
+create index maps_waiting on maps (map_key) where waits_version is not null;
 
 -- The key of a map is the database's to give, and is never given twice: what a process still holds of a deleted map must not
 -- be taken for another map's.
@@ -653,7 +575,7 @@ create table session_merges (
     into_session integer not null,
     -- The number that the next keyframe had: it, and those after it, are not concerned.
     next_keyframe integer not null,
-    -- What revokes the merge beside the former values of its version, as JSON; null once something was written on top of it.
+    -- What revokes the merge beside the values that the log says it replaced, as JSON; null once something was written on top of it.
     undo text,
     constraint session_merges_key primary key (map_key, version),
     constraint session_merges_map foreign key (map_key) references maps (map_key) on delete cascade

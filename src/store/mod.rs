@@ -5,13 +5,13 @@
 //! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`migrations`], [`files::schema`], [`postgres`] |
 //! | one SQL for SQLite and PostgreSQL | [`sql`] |
 //! | one writer in a thread of its own, group commit | [`commit::commit_queue`], [`commit::queue`], [`commit::lanes`], [`commit::group_commit`] |
-//! | large deletions and corrections, in slices | [`slices::background`], [`slices::deletion`], [`slices::deferred`], [`slices::parts`], [`slices::fold`] |
-//! | what a map was sent, and read back in order | [`rows::former_value_rows`], [`rows::operation_rows`], [`export`] |
+//! | large deletions and corrections, in slices | [`slices::background`], [`slices::deletion`], [`slices::deferred`], [`slices::fold`] |
+//! | what a map was sent beside its rows, and all of it read back in order | [`log`], [`export`] |
 //! | what it is asked to do, and what that costs | [`commit::job`], [`commit::cost`] |
 //! | from changes to rows, a group at a time | [`commit::write`], [`rows::statement`], [`commit::additions`], [`rows::bulk_insert`], [`rows::map_rows`], [`rows::keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`facts`], [`fact_sources`], [`rows::load`], [`rows::decode`], [`rows::validate`] |
 //! | what models said, and what it cost | [`rows::model_rows`] |
-//! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
+//! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::unsaid`] |
 //! | releases, and copies of maps | [`map_copy`], [`rows::copied_rows`], [`rows::release_rows`], [`rows::map_tables`] |
 //! | a whole database on its way into another one | [`mod@transfer`], [`rows::transferred_rows`] |
 //! | what leaves for good | [`rows::erasure_rows`], [`rows::traces`], [`commit::renewal`] |
@@ -33,6 +33,7 @@ mod facts;
 pub mod files;
 mod holdings;
 mod inspection;
+mod log;
 mod map_copy;
 mod migrations;
 mod opening;

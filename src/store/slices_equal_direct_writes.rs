@@ -126,7 +126,7 @@ enum Step {
     },
     Cull(u32),
     /// Folds this many entries.
-    Fold(u32),
+    Fold(usize),
 }
 
 fn any_step() -> impl Strategy<Value = Step> {
@@ -139,7 +139,7 @@ fn any_step() -> impl Strategy<Value = Step> {
         2 => (0u32..2, prop::collection::vec(0i64..40, 1..30))
             .prop_map(|(session, points)| Step::Forget { session, points }),
         1 => (0..KEYFRAMES).prop_map(Step::Cull),
-        5 => (1u32..20).prop_map(Step::Fold),
+        5 => (1usize..20).prop_map(Step::Fold),
     ]
 }
 
@@ -187,8 +187,8 @@ async fn rows_of(pool: &Pool) -> Vec<String> {
         union all select 'position ' || keyframe || ' ' || hex(position) from detections
         union all select 'anchor ' || anchor || ' ' || version from anchors
         union all select 'points ' || session || ' ' || block || ' ' || hex(points) from point_blocks
-        union all select 'left ' || version from deferred_changes
-        union all select 'left ' || version || ' ' || part from deferred_parts
+        union all select 'waits ' || map_key from maps where waits_version is not null
+        union all select 'left ' || version || ' ' || part from versions where kind = 'passing'
         order by 1";
     sql::query_scalar(select).fetch_all(pool).await.unwrap()
 }
@@ -201,7 +201,7 @@ async fn holds_after(steps: Vec<Step>) {
     make_map(&mut sliced, 1).await;
     for (version, step) in (3..).zip(steps) {
         if let Step::Fold(entries) = step {
-            fold::fold_entries(&mut sliced, None, entries).await.unwrap();
+            fold::fold(&mut sliced, None, entries).await.unwrap();
         }
         let changes = changes_of(&step, version);
         let direct = Job::Change(Box::new(batch(1, version, changes.clone())));
@@ -213,7 +213,7 @@ async fn holds_after(steps: Vec<Step>) {
         assert!(index_of(&mut sliced, Order::Forwards).await == expected, "after {step:?}");
         assert!(index_of(&mut sliced, Order::Backwards).await == expected, "backwards, after {step:?}");
     }
-    while fold::fold_entries(&mut sliced, None, 7).await.unwrap() {}
+    while fold::fold(&mut sliced, None, 7).await.unwrap() {}
     drop((plain, sliced));
     assert_eq!(rows_of(&in_slices).await, rows_of(&at_once).await);
 }
@@ -253,7 +253,7 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
                 jobs.push(Job::AppendEvents(map, number * 10 + 2, events));
             }
             Step::Fold(queries) => {
-                jobs.extend((0..i64::from(*queries)).map(|n| query(number as i64 * 20 + n)));
+                jobs.extend((0..*queries as i64).map(|n| query(number as i64 * 20 + n)));
             }
             step => {
                 let events = vec![event(number * 10)];
@@ -340,7 +340,7 @@ proptest! {
             let create = Job::CreateMap { id, properties: Box::default(), digest: [1; 32], owner: None };
             execute(&mut db, &create).await;
             // Its deferred changes reach no rows any more.
-            assert!(!fold::fold_entries(&mut db, None, 1).await.unwrap());
+            assert!(!fold::fold(&mut db, None, 1).await.unwrap());
             while deletion::remove_rows(&mut db, rows).await.unwrap() {}
             sql::query("delete from maps where map_key = 3").execute(&mut db).await.unwrap();
             assert_eq!(dump(&mut db).await, before);

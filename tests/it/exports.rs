@@ -299,6 +299,36 @@ async fn without_history_a_map_is_exported_as_last_corrected_with_every_point() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn corrections_while_a_map_kept_no_history_are_exported_as_one_at_the_end() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    first.put("/v1/maps/m", &json!({})).await.expect(201);
+    first.put("/v1/maps/m/keyframes/kf", &keyframe("robot-1", 1, 1.0, "901")).await.expect(201);
+    let correct = |x: f64, points: Value| {
+        json!({"session": "robot-1", "keyframes": {"ids": ["kf"], "poses": [pose([x, 0.1, 0.0])]},
+            "map_points": points})
+    };
+    let point = |x: f64| json!({"ids": [0], "positions": [[x, 0.25, 2.5]]});
+    first.post("/v1/maps/m/poses", &correct(2.5, point(0.5))).await.expect(200);
+    for (kept, x) in [(false, 3.5), (true, 4.5)] {
+        let setting = json!({"settings": {"keep_history": kept}});
+        first.patch("/v1/maps/m", &setting).await.expect(200);
+        first.post("/v1/maps/m/poses", &correct(x, point(x))).await.expect(200);
+        let lines = exported(&first, "m").await;
+        let poses = || lines.iter().filter(|line| line["op"] == "poses");
+        let x_of = |line: &Value| line["body"]["keyframes"]["poses"][0]["translation"]["x"].clone();
+        let corrected: Vec<Value> = poses().map(x_of).collect();
+        // The last one is of what stands, where no version tells of it.
+        assert_eq!(corrected, if kept { [2.5, 4.5] } else { [2.5, 3.5] });
+        assert_eq!(lines.last().unwrap()["body"]["map_points"], point(x));
+        copy("m", &first, &second, "m.ndjson").await;
+        let stored = second.get("/v1/maps/m/keyframes/kf").await.expect(200);
+        assert_eq!(stored["pose"]["translation"]["x"], x);
+        assert_eq!(verdicts(&second, "m").await, verdicts(&first, "m").await);
+        second.delete("/v1/maps/m").await.expect(204);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::on(folder.path()).await;

@@ -143,7 +143,7 @@ fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
             "std::env",
             "tokio",
             "serde_json",
-            "postcard",
+            "rmp_serde",
             "sqlx",
             "reqwest",
             "axum",

@@ -1,5 +1,6 @@
 //! What models said of a map's anchors: facts, fetched beforehand and kept.
 
+use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,26 @@ pub enum Finding {
     Information(u8),
     /// MergeText of two texts.
     Merge(Box<str>),
+}
+
+impl Finding {
+    /// Returns the name of the question that it answers.
+    pub fn operation(&self) -> &'static str {
+        match self {
+            Self::Similarity(_) => "similarity",
+            Self::Information(_) => "information",
+            Self::Merge(_) => "merge",
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Similarity(level) | Self::Information(level) => write!(out, "{level}"),
+            Self::Merge(text) => out.write_str(text),
+        }
+    }
 }
 
 /// The outcome of a question to a model.

@@ -78,3 +78,18 @@ pub struct MergeUndo {
     /// The anchors that turned out to be one, the older first.
     pub merges: Vec<(AnchorSeq, AnchorSeq)>,
 }
+
+impl MergeUndo {
+    /// Returns what names a merge, without the values that revoke it.
+    pub fn naming(session: SessionSeq, into: SessionSeq, next_keyframe: KeyframeSeq) -> Self {
+        Self {
+            session,
+            into,
+            next_keyframe,
+            keyframes: Vec::new(),
+            points: Vec::new(),
+            detections: Vec::new(),
+            merges: Vec::new(),
+        }
+    }
+}

@@ -9,6 +9,8 @@ const KIB_US: u64 = 10;
 const STATEMENT_US: u64 = 25;
 /// Microseconds to rewrite a keyframe's row, which holds its words and points.
 const KEYFRAME_ROW_US: u64 = 60;
+/// Bytes of a pose or point in the log, about.
+const VALUE_BYTES: usize = 64;
 /// Microseconds for a row of a statement with many rows.
 const POINT_ROW_US: u64 = 6;
 
@@ -17,7 +19,7 @@ impl Job {
     pub(in crate::store) fn cost_us(&self) -> u64 {
         match self {
             Self::Change(batch) | Self::ChangeStaged { batch, .. } => of_batch(batch),
-            Self::Stage { part, .. } => STATEMENT_US + of_bytes(part.entries.len()),
+            Self::Stage { part, .. } => STATEMENT_US + of_bytes(part.len() * VALUE_BYTES),
             Self::CopyRows { block, .. } | Self::AddRows(block) => {
                 block.len() as u64 * POINT_ROW_US + of_bytes(block.bytes)
             }

@@ -16,7 +16,7 @@ use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::release::ReleaseUse;
 use crate::domain::request::Digest;
 use crate::domain::verdict_line::VerdictLine;
-use crate::store::slices::parts::Part;
+use crate::store::log::parts::Part;
 
 /// A map's key in the database.
 pub type MapKey = i64;
@@ -219,9 +219,9 @@ pub enum Job {
         /// The version that the request makes.
         version: u64,
         /// The part's number.
-        number: u32,
+        number: i64,
         /// The part.
-        part: Part,
+        part: Part<'static>,
         /// Whether the request takes something away.
         frees_space: bool,
     },
@@ -229,8 +229,6 @@ pub enum Job {
     ChangeStaged {
         /// The changes that are not staged.
         batch: Box<Batch>,
-        /// The number of parts.
-        parts: u32,
         /// Whether the request takes something away.
         frees_space: bool,
     },

@@ -1,19 +1,24 @@
 //! From changes to rows.
 
+use std::borrow::Cow;
+
 use super::additions::Additions;
 use super::job::{Batch, ErasureStep, Job, MapKey};
-use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
+use crate::domain::change::{Change, Loop, Merge, MergeCause};
 use crate::store::StoreError;
+use crate::store::log::entry::Entry;
+use crate::store::log::log_rows::{self, FIRST_PART};
+use crate::store::log::parts::{Kind, Part, is_ordered};
+use crate::store::log::said::said;
 use crate::store::postgres::change_log;
 use crate::store::rows::blob::pack;
 use crate::store::rows::keyframe_rows::{Arrived, detections, pose_blob};
-use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::verdict_rows::KeptQuery;
 use crate::store::rows::{
-    changed_sign_rows, copied_rows, erasure_rows, former_value_rows, frame_rows, judgement_rows, key_rows,
-    map_rows, model_rows, observation_rows, operation_rows, point_blocks, prior_rows, release_rows,
-    retention_rows, session_merge_rows, traces, transferred_rows, twin_rows,
+    changed_sign_rows, copied_rows, erasure_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows,
+    observation_rows, point_blocks, prior_rows, release_rows, retention_rows, session_merge_rows, traces,
+    transferred_rows, twin_rows, unsaid,
 };
 use crate::store::slices::{deferred, deletion};
 use crate::store::sql::{self, Connection, Engine};
@@ -49,11 +54,8 @@ pub(in crate::store) async fn execute<'j>(
 
 async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), StoreError> {
     match job {
-        Job::Change(batch) => change_map(rows, batch).await,
-        Job::ChangeStaged { batch, parts, .. } => {
-            deferred::commit_staged(rows.db().await?, batch.map, batch.version, *parts).await?;
-            change_map(rows, batch).await
-        }
+        Job::Change(batch) => change_map(rows, batch, false).await,
+        Job::ChangeStaged { batch, .. } => change_map(rows, batch, true).await,
         Job::KeepQuery { map, id, kept, line, body } => {
             rows.gathered.keep(KeptQuery { map: *map, id, kept: *kept, line, body });
             Ok(())
@@ -67,7 +69,7 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         Job::CreateMap { id, properties, digest, owner } => {
             let db = rows.db().await?;
             let key = map_rows::create(db, id, properties, digest, *owner).await?;
-            operation_rows::add(db, (key, FIRST_VERSION), &Operation::Map((**properties).clone())).await
+            log_rows::add(db, (key, FIRST_VERSION), FIRST_PART, &Part::setting(properties)).await
         }
         Job::DeleteMap(map) => {
             let db = rows.db().await?;
@@ -91,7 +93,7 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         Job::Erase(map, number, step) => erase(rows.db().await?, (*map, *number), step).await,
         Job::CountUses { release, uses } => release_rows::count_uses(rows.db().await?, *release, uses).await,
         Job::Stage { map, version, number, part, .. } => {
-            deferred::stage(rows.db().await?, *map, *version, *number, part).await
+            log_rows::stage(rows.db().await?, (*map, *version), *number, part).await
         }
         Job::KeepFrames { map, version, frames } => {
             frame_rows::keep(rows.db().await?, *map, *version, frames).await
@@ -138,23 +140,27 @@ async fn note_rewrite(db: &mut Connection, map: MapKey) -> Result<(), StoreError
     }
 }
 
-async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(), StoreError> {
+/// Brings a version into the rows and the log; poses and points of it that are staged already wait there.
+async fn change_map<'j>(
+    rows: &mut Rows<'_, 'j>,
+    batch: &'j Batch,
+    is_staged: bool,
+) -> Result<(), StoreError> {
     let map = batch.map;
     // What must not overtake deferred changes is deferred behind them.
-    let defers =
-        batch.changes.iter().any(deferred::is_ordered) && rows.gathered.defers(rows.connection, map).await?;
+    let defers = batch.changes.iter().any(is_ordered) && rows.gathered.defers(rows.connection, map).await?;
     if defers {
         deferred::defer(rows.db().await?, batch).await?;
     }
     #[cfg(test)]
-    change_log::tests::expect_form(&batch.changes);
+    crate::store::log::entry::tests::expect_form(&batch.changes, &batch.former);
     rows.gathered.advance(batch);
+    log(rows.connection, batch, (is_staged, defers)).await?;
     for change in &batch.changes {
-        if !(defers && deferred::is_ordered(change)) {
+        if !(defers && is_ordered(change)) {
             apply(rows, batch, change).await?;
         }
     }
-    former_value_rows::add(rows.connection, batch).await?;
     if batch.is_followed {
         change_log::log(rows.connection, batch).await?;
     }
@@ -162,6 +168,30 @@ async fn change_map<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch) -> Result<(),
     rows.gathered.detect(detections(batch)?);
     rows.gathered.tell(map, &batch.events);
     Ok(())
+}
+
+/// Writes to the log what a version says and its rows will not tell, before these change.
+async fn log(
+    db: &mut Connection,
+    batch: &Batch,
+    (is_staged, defers): (bool, bool),
+) -> Result<(), StoreError> {
+    let of = (batch.map, batch.version);
+    let unsaid = unsaid::by(db, batch.map, &batch.changes).await?;
+    if !unsaid.is_empty() {
+        let part = Part { kind: Kind::Unsaid, entry: Entry { unsaid, ..Entry::default() } };
+        log_rows::add(db, of, FIRST_PART, &part).await?;
+    }
+    let mut changes = said(batch);
+    changes.retain(|change| !(defers && is_ordered(change)));
+    let entry = Entry { changes, former: Cow::Borrowed(&batch.former), unsaid: Vec::new() };
+    let waits = is_staged || defers;
+    if entry.is_empty() && !waits {
+        return Ok(());
+    }
+    let kind = if entry.is_empty() { Kind::Passing } else { Kind::Said };
+    log_rows::add(db, of, FIRST_PART, &Part { kind, entry }).await?;
+    if waits { deferred::wait(db, of).await } else { Ok(()) }
 }
 
 #[expect(clippy::too_many_lines, reason = "one arm for each change")]
@@ -178,12 +208,14 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         Change::AnchorAdded(seq, class) => rows.gathered.anchors.push((map, *seq, class)),
         Change::AnchorTouched(seq, version) => drop(rows.gathered.touched.insert((map, *seq), *version)),
         Change::PointSet(session, id, at) => rows.gathered.points.push((map, *session, *id, *at)),
-        // Written with the keyframe's rows.
-        Change::GlobalDescriptorSet(..) | Change::Observed(..) | Change::OutcomeSet(..) => {}
+        // Written with the keyframe's rows, or to the log alone.
+        Change::GlobalDescriptorSet(..)
+        | Change::Observed(..)
+        | Change::OutcomeSet(..)
+        | Change::ObservationsSent(_) => {}
         Change::MapSet(properties) => {
             let db = rows.db().await?;
             map_rows::set_properties(db, map, properties).await?;
-            operation_rows::add(db, of, &Operation::Map((**properties).clone())).await?;
         }
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
@@ -197,9 +229,6 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         Change::PoseSet(seq, pose) => {
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
             run(rows.db().await?, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await?;
-        }
-        Change::ObservationsSent(update) => {
-            operation_rows::add(rows.db().await?, of, &Operation::Observations((**update).clone())).await?;
         }
         Change::PointsOfKeyframeSet(points) => {
             observation_rows::set_points_of_keyframe(rows.db().await?, map, points).await?;
@@ -216,16 +245,12 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             let orphan =
                 "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
                 deleted_in = $3 where map_key = $1 and anchor = $2";
-            let orphan = sql::query(orphan).bind(map).bind(seq.0).bind(version as i64);
-            // One that lost its last detection with a keyframe has none to be deleted from.
-            if orphan.execute(&mut *db).await? > 0 {
-                operation_rows::add(db, of, &Operation::AnchorDeleted {}).await?;
-            }
-            prior_rows::remove(db, of, *seq).await?;
+            run(db, sql::query(orphan).bind(map).bind(seq.0).bind(version as i64)).await?;
+            prior_rows::remove(db, map, *seq).await?;
             let delete = "delete from anchors where map_key = $1 and anchor = $2";
             run(db, sql::query(delete).bind(map).bind(seq.0)).await?;
         }
-        Change::PriorSet(seq, prior) => prior_rows::add(rows.db().await?, of, *seq, prior).await?,
+        Change::PriorSet(seq, prior) => prior_rows::add(rows.db().await?, map, *seq, prior).await?,
         Change::PositionSet(_, keyframe, detection, at) => {
             let update =
                 "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
@@ -237,27 +262,17 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             .await?;
         }
         Change::DescriptionSet(seq, text) => {
-            let db = rows.db().await?;
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
-            run(db, sql::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
-            operation_rows::add(db, of, &Operation::Description { anchor: *seq, text: text.clone() }).await?;
+            let query = sql::query(update).bind(map).bind(seq.0).bind(text.as_deref());
+            run(rows.db().await?, query).await?;
         }
         Change::Merged(merge) => add_merge(rows.db().await?, map, merge).await?,
         Change::Parted(merge) => remove_merge(rows.db().await?, map, merge).await?,
-        Change::SessionsMerged(merge) => {
-            let db = rows.db().await?;
-            session_merge_rows::add(db, of, merge).await?;
-            operation_rows::add(db, of, &Operation::MergeSessions((**merge).clone())).await?;
-        }
+        Change::SessionsMerged(merge) => session_merge_rows::add(rows.db().await?, of, merge).await?,
         Change::MergeKept(undo) => session_merge_rows::keep_undo(rows.db().await?, of, undo).await?,
         Change::MergeSettled(session) => session_merge_rows::settle(rows.db().await?, map, *session).await?,
-        Change::MergeRevoked(undo) => revoke_merge(rows.db().await?, of, undo).await?,
-        Change::LoopAdded(closed) => {
-            let db = rows.db().await?;
-            add_loop(db, map, closed).await?;
-            let Loop { id, keyframe, candidate, query, .. } = closed.clone();
-            operation_rows::add(db, of, &Operation::Loop { id, keyframe, candidate, query }).await?;
-        }
+        Change::MergeRevoked(undo) => session_merge_rows::remove(rows.db().await?, map, undo).await?,
+        Change::LoopAdded(closed) => add_loop(rows.db().await?, map, closed).await?,
         Change::TwinsFound(twins) => twin_rows::add(rows.db().await?, map, twins).await?,
         Change::TwinsWithdrawn(twins) => twin_rows::remove(rows.db().await?, map, twins).await?,
         Change::ObservationMoved(moved) => {
@@ -283,7 +298,6 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
             run(db, sql::query(merges).bind(map).bind(id.as_str())).await?;
             let delete = "delete from loops where map_key = $1 and id = $2";
             run(db, sql::query(delete).bind(map).bind(id.as_str())).await?;
-            operation_rows::add(db, of, &Operation::LoopRevoked { id: id.clone() }).await?;
         }
     }
     Ok(())
@@ -305,17 +319,6 @@ async fn remove_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result
     let delete = "delete from anchor_merges
         where map_key = $1 and into_anchor = $2 and from_anchor = $3 and loop_id = ''";
     run(db, sql::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
-}
-
-/// Removes a merge of sessions that was revoked.
-async fn revoke_merge(
-    db: &mut Connection,
-    (map, version): (MapKey, u64),
-    undo: &MergeUndo,
-) -> Result<(), StoreError> {
-    session_merge_rows::remove(db, map, undo).await?;
-    let operation = Operation::MergeRevoked { session: undo.session };
-    operation_rows::add(db, (map, version), &operation).await
 }
 
 async fn add_loop(db: &mut Connection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {

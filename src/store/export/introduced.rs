@@ -21,14 +21,13 @@ pub(super) struct Introduced {
 }
 
 impl Introduced {
-    pub(super) async fn of(db: &mut Connection, map: MapKey) -> Result<Self, StoreError> {
-        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported. A setting stands
-        // there where it differs from its default.
+    /// Returns none yet, of a map whose history is whole or not.
+    pub(super) async fn of(db: &mut Connection, map: MapKey, is_whole: bool) -> Result<Self, StoreError> {
+        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
         let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
-                or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
-                    and json_extract(o.body, '$.settings.keep_history') is not null)
             from maps m where map_key = $1";
-        let are_counted = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
+        let misses: bool = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
+        let are_counted = misses || !is_whole;
         let mut sent = HashSet::new();
         if are_counted {
             let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";

@@ -1,30 +1,37 @@
 //! Reads a map's operations, one after the other, in the order of writing.
 
-use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::fs::File;
 
 use sqlx::sqlite::SqlitePoolOptions;
 
-use super::history::{History, NewValues};
+use super::history::{History, Untold};
 use super::introduced::Introduced;
 use super::merges::Merges;
-use crate::domain::change::ObservationUpdate;
-use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
+use crate::domain::change::{Change, Loop, ObservationUpdate};
+use crate::domain::ids::{
+    AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, PointId, PriorId, SessionId, SessionSeq,
+};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::{NewPrior, Prior};
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 use crate::domain::settings::Settings;
-use crate::geometry::Sim3;
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::store::commit::job::MapKey;
 use crate::store::commit::transaction::Transaction;
 use crate::store::files::lock::DatabaseLock;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::files::schema;
-use crate::store::rows::operation_rows::{self, Operation};
+use crate::store::log::entry::Entry;
+use crate::store::log::log_rows;
 use crate::store::rows::{decode, model_rows};
 use crate::store::sql::{self, Pool, Row};
 use crate::store::{Store, StoreError};
+
+/// Values of one correction that an export adds.
+const CORRECTED_AT_ONCE: usize = 10_000;
 
 /// A map's operations, read one after the other.
 pub struct Export {
@@ -37,7 +44,17 @@ pub struct Export {
     pub(super) history: History,
     /// The next keyframe, and the version that it made.
     pub(super) keyframe: Option<(u64, Row)>,
-    pub(super) operations: VecDeque<(u64, Operation)>,
+    /// What the next version said that the log tells of, and that version.
+    said: Option<(u64, Vec<Entry<'static>>)>,
+    /// What is left to be told of the version that was reached.
+    changes: VecDeque<Change>,
+    /// The version that was reached.
+    version: u64,
+    /// The last version whose deletion of an object was told.
+    deletion: u64,
+    /// Prior anchors that were put: their names, and their classes.
+    priors: HashMap<AnchorSeq, PriorId>,
+    classes: HashMap<AnchorSeq, Box<str>>,
     /// Verdicts and readings of models, by the version that brought them.
     pub(super) models: VecDeque<(u64, Recorded)>,
     pub(super) properties: MapProperties,
@@ -90,17 +107,23 @@ impl Export {
         let select = "select id from sessions where map_key = $1 order by session";
         let sessions: Vec<String> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
         let properties = MapProperties { metric: true, ..MapProperties::default() };
+        let history = History::rewind(&mut db, map).await?;
         let mut export = Self {
             map,
             id: id.clone(),
             sessions: sessions.iter().map(|id| decode::id(id)).collect::<Result<_, _>>()?,
             vocabulary: vocabulary.map(Into::into),
-            history: History::rewind(&mut db, map).await?,
+            introduced: Introduced::of(&mut db, map, history.is_whole).await?,
+            history,
             keyframe: None,
-            operations: operation_rows::all(&mut db, map).await?.into(),
+            said: log_rows::after(&mut db, map, 0).await?,
+            changes: VecDeque::new(),
+            version: 0,
+            deletion: 0,
+            priors: HashMap::new(),
+            classes: HashMap::new(),
             models: model_rows::by_version(&mut db, map).await?.into(),
             properties,
-            introduced: Introduced::of(&mut db, map).await?,
             merges: Merges::default(),
             begun: HashSet::new(),
             loops: HashSet::new(),
@@ -138,56 +161,100 @@ impl Export {
         if let Some(recorded) = self.pending.pop_front() {
             return Ok(Step::of(recorded));
         }
+        if let Some(change) = self.changes.pop_front() {
+            return self.operation(change).await;
+        }
         let keyframe = self.keyframe.as_ref().map(|(version, _)| *version);
-        let operation = self.operations.front().map(|(version, _)| *version);
+        let said = self.said.as_ref().map(|(version, _)| *version);
         let models = self.models.front().map(|(version, _)| *version);
-        let values = self.history.next_version();
-        let Some(version) = [keyframe, operation, models, values].into_iter().flatten().min() else {
-            return Ok(Step::End);
+        let Some(version) = [keyframe, said, models].into_iter().flatten().min() else {
+            return self.last_correction().await;
         };
-        if values == Some(version) {
-            let new = self.history.advance()?;
-            // A keyframe says its own points, what changes observations moves none, and a merge says how it moves them; what else
-            // sets values is a correction.
-            let says_it_itself = self.operations.front().is_some_and(|(of, operation)| {
-                *of == version
-                    && matches!(
-                        operation,
-                        Operation::ObservationsUnread
-                            | Operation::MergeSessions(_)
-                            | Operation::MergeRevoked { .. }
-                    )
-            });
-            return if keyframe == Some(version) || says_it_itself {
-                Ok(Step::LeftOut)
-            } else {
-                self.correction(new).await
-            };
+        self.version = version;
+        if let Some((_, entries)) = self.said.take_if(|(said, _)| *said == version) {
+            self.said = log_rows::after(&mut self.db, self.map, version).await?;
+            self.history.advance(&entries);
+            let changes: Vec<Change> =
+                entries.into_iter().flat_map(|entry| entry.changes).map(Cow::into_owned).collect();
+            return self.reach(changes, keyframe == Some(version)).await;
         }
         if keyframe == Some(version) {
             return self.keyframe().await;
         }
-        if models == Some(version) && operation != Some(version) {
-            let said = self.models.pop_front().map(|(_, said)| Box::new(said));
-            return Ok(said.map_or(Step::LeftOut, Step::Operation));
+        let said = self.models.pop_front().map(|(_, said)| Box::new(said));
+        Ok(said.map_or(Step::LeftOut, Step::Operation))
+    }
+
+    /// Begins with what a version said: poses and points that it set are a correction, unless it says them itself.
+    async fn reach(&mut self, changes: Vec<Change>, is_keyframe: bool) -> Result<Step, StoreError> {
+        // A keyframe says its own points, what changes observations moves none, and a merge says how it moves them.
+        let says = |change: &Change| {
+            matches!(
+                change,
+                Change::ObservationsSent(_) | Change::SessionsMerged(_) | Change::MergeRevoked(_)
+            )
+        };
+        let says_itself = is_keyframe || changes.iter().any(says);
+        let (mut poses, mut points) = (Vec::new(), Vec::new());
+        for change in changes {
+            match change {
+                Change::PoseSet(keyframe, pose) => poses.push((keyframe, pose)),
+                Change::PointSet(session, id, at) => points.push((session, id, at)),
+                change => self.changes.push_back(change),
+            }
         }
-        match self.operations.pop_front() {
-            Some((version, operation)) => self.operation(version, operation).await,
-            None => Ok(Step::LeftOut),
+        if says_itself { Ok(Step::LeftOut) } else { self.correction(poses, points).await }
+    }
+
+    /// Ends with one more correction of each session whose poses or points were set while the map kept no history.
+    async fn last_correction(&mut self) -> Result<Step, StoreError> {
+        if self.history.is_whole {
+            return Ok(Step::End);
         }
+        self.history.is_whole = true;
+        let mut of_sessions: BTreeMap<SessionSeq, Vec<Untold>> = BTreeMap::new();
+        for untold in self.history.untold(&mut self.db).await? {
+            let session = match &untold {
+                Untold::Pose(keyframe, _) => self.named(*keyframe).await?.map(|(session, _)| session),
+                Untold::Point(session, ..) => Some(*session),
+            };
+            of_sessions.entry(session.unwrap_or(SessionSeq(0))).or_default().push(untold);
+        }
+        for untold in of_sessions.into_values() {
+            for some in untold.chunks(CORRECTED_AT_ONCE) {
+                let pose = |untold: &Untold| match untold {
+                    Untold::Pose(keyframe, pose) => Some((*keyframe, *pose)),
+                    Untold::Point(..) => None,
+                };
+                let point = |untold: &Untold| match untold {
+                    Untold::Point(session, id, at) => Some((*session, *id, *at)),
+                    Untold::Pose(..) => None,
+                };
+                let poses = some.iter().filter_map(pose).collect();
+                let points = some.iter().filter_map(point).collect();
+                if let Step::Operation(correction) = self.correction(poses, points).await? {
+                    self.pending.push_back(*correction);
+                }
+            }
+        }
+        Ok(Step::LeftOut)
     }
 
     /// Returns the keyframes and points of a correction that are still there.
-    async fn correction(&mut self, new: NewValues) -> Result<Step, StoreError> {
-        let mut session = new.points.first().map(|(session, ..)| *session);
-        let mut keyframes = Vec::with_capacity(new.poses.len());
-        for (keyframe, pose) in &new.poses {
-            if let Some((of, id)) = self.named(*keyframe).await? {
+    async fn correction(
+        &mut self,
+        poses: Vec<(KeyframeSeq, Pose)>,
+        points: Vec<(SessionSeq, PointId, Point3)>,
+    ) -> Result<Step, StoreError> {
+        let mut session = points.first().map(|(session, ..)| *session);
+        let mut keyframes = Vec::with_capacity(poses.len());
+        for (keyframe, pose) in poses {
+            if let Some((of, id)) = self.named(keyframe).await? {
                 session = Some(of);
-                keyframes.push((id, *pose));
+                keyframes.push((id, pose));
             }
         }
-        let map_points: Vec<_> = new.points.iter().filter_map(|(_, id, at)| Some((*id, (*at)?))).collect();
+        let map_points: Vec<_> = points.into_iter().map(|(_, id, at)| (id, at)).collect();
         let Some(session) = session.filter(|session| self.begun.contains(session)) else {
             return Ok(Step::LeftOut);
         };
@@ -200,8 +267,7 @@ impl Export {
     }
 
     /// Returns what a client said of its points and edges, as far as the keyframes are still there.
-    async fn observations(&mut self, operation: Operation) -> Result<Step, StoreError> {
-        let Operation::Observations(update) = operation else { return Ok(Step::LeftOut) };
+    async fn observations(&mut self, update: ObservationUpdate) -> Result<Step, StoreError> {
         let ObservationUpdate { session, replaced, removed, keyframes: updates } = update;
         let mut keyframes = Vec::with_capacity(updates.len());
         for update in updates {
@@ -222,20 +288,17 @@ impl Export {
         Ok(Step::of(Recorded::Observations(changed)))
     }
 
-    async fn operation(&mut self, version: u64, operation: Operation) -> Result<Step, StoreError> {
-        Ok(match operation {
-            Operation::Map(now) => {
+    async fn operation(&mut self, change: Change) -> Result<Step, StoreError> {
+        Ok(match change {
+            Change::MapSet(now) => {
                 let patch = difference(&self.properties, &now);
-                self.properties = now;
+                self.properties = *now;
                 Step::of(Recorded::Map(patch))
             }
-            Operation::ObservationsUnread | Operation::Observations(_) => {
-                let said = operation_rows::observations(&mut self.db, (self.map, version)).await?;
-                self.observations(said).await?
-            }
-            Operation::MergeSessions(merge) => self.merge(merge)?,
-            Operation::MergeRevoked { session } => self.revoke_merge(session)?,
-            Operation::Loop { id, keyframe, candidate, query } => {
+            Change::ObservationsSent(update) => self.observations(*update).await?,
+            Change::SessionsMerged(merge) => self.merge(*merge)?,
+            Change::MergeRevoked(undo) => self.revoke_merge(undo.session)?,
+            Change::LoopAdded(Loop { id, keyframe, candidate, query, .. }) => {
                 let (keyframe, candidate) = (self.named(keyframe).await?, self.named(candidate).await?);
                 let (Some((_, keyframe)), Some((_, candidate))) = (keyframe, candidate) else {
                     return Ok(Step::LeftOut);
@@ -244,43 +307,53 @@ impl Export {
                 let candidate_from_query = self.measured(&id).await?;
                 Step::of(Recorded::Loop(NewLoop { id, keyframe, candidate, query, candidate_from_query }))
             }
-            Operation::LoopRevoked { id } => {
-                if self.loops.remove(&id) {
-                    Step::of(Recorded::LoopRevoked(id))
-                } else {
-                    Step::LeftOut
-                }
-            }
-            Operation::Description { anchor, text } => {
+            Change::LoopRemoved(id) if self.loops.remove(&id) => Step::of(Recorded::LoopRevoked(id)),
+            Change::DescriptionSet(anchor, text) => {
                 let Some((keyframe, of_version, detection)) = self.detection_of(anchor).await? else {
                     return Ok(Step::LeftOut);
                 };
                 let described = Recorded::Description { detection, text: text.map(Into::into) };
-                if of_version <= version {
+                if of_version <= self.version {
                     return Ok(Step::of(described));
                 }
                 self.waiting.entry(keyframe).or_default().push(described);
                 Step::LeftOut
             }
-            Operation::PriorDeleted { id } => Step::of(Recorded::PriorDeleted(id)),
-            Operation::Prior { class, prior } => {
-                let Prior { id, frame, description, position_in_frame, normal_in_frame, source } = prior;
+            Change::AnchorAdded(anchor, class) => {
+                self.classes.insert(anchor, class);
+                Step::LeftOut
+            }
+            Change::PriorSet(anchor, prior) => {
+                let Prior { id, frame, description, position_in_frame, normal_in_frame, source } = *prior;
+                let class = self.classes.remove(&anchor).unwrap_or_default().into();
+                self.priors.insert(anchor, id.clone());
                 let (description, source) = (description.into(), source.map(Into::into));
                 let frame = self.session(frame)?.clone();
                 let put =
                     NewPrior { id, class, description, position_in_frame, frame, normal_in_frame, source };
                 Step::of(Recorded::Prior(put))
             }
-            Operation::AnchorDeleted {} => {
-                let select = "select k.id, d.detection from detections d
-                    join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
-                    where d.map_key = $1 and d.deleted_in = $2 order by d.keyframe, d.detection limit 1";
-                let query = sql::query_as(select).bind(self.map).bind(version as i64);
-                let found: Option<(String, u16)> = query.fetch_optional(&mut *self.db).await?;
-                named_detection(found)?
-                    .map_or(Step::LeftOut, |detection| Step::of(Recorded::AnchorDeleted(detection)))
-            }
+            Change::AnchorRemoved(anchor) => self.anchor_removed(anchor).await?,
+            _ => Step::LeftOut,
         })
+    }
+
+    /// Takes the deletion of an object. Where its anchors are removed one by one, the first that has a detection tells.
+    async fn anchor_removed(&mut self, anchor: AnchorSeq) -> Result<Step, StoreError> {
+        if let Some(prior) = self.priors.remove(&anchor) {
+            self.pending.push_back(Recorded::PriorDeleted(prior));
+        }
+        let select = "select k.id, d.detection from detections d
+            join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
+            where d.map_key = $1 and d.deleted_in = $2 order by d.keyframe, d.detection limit 1";
+        let query = sql::query_as(select).bind(self.map).bind(self.version as i64);
+        let found: Option<(String, u16)> = query.fetch_optional(&mut *self.db).await?;
+        let Some(detection) = named_detection(found)? else { return Ok(Step::LeftOut) };
+        if self.deletion == self.version {
+            return Ok(Step::LeftOut);
+        }
+        self.deletion = self.version;
+        Ok(Step::of(Recorded::AnchorDeleted(detection)))
     }
 
     /// Returns the oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the

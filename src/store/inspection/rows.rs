@@ -7,9 +7,8 @@ use crate::domain::keyframe::{Crop, Features};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::facts::MapFacts;
-use crate::store::rows::{decode, former_value_rows, operation_rows, read};
-use crate::store::slices::parts::Kind;
-use crate::store::sql::row::FromRow as _;
+use crate::store::log::entry::Entry;
+use crate::store::rows::{decode, read};
 
 /// Whether features fit together, so that they can be matched.
 pub(super) type Fit = fn(Features) -> bool;
@@ -35,7 +34,7 @@ pub(super) async fn check(
     keyframes(&mut *db, key, fit, &mut found.faults).await?;
     detections(&mut *db, key, &mut found.faults).await?;
     crops(&mut *db, key, &mut found.faults).await?;
-    history(&mut *db, facts, &mut found.faults).await?;
+    log(&mut *db, facts, &mut found.faults).await?;
     queries(&mut *db, key, &mut found.faults).await
 }
 
@@ -124,25 +123,20 @@ async fn detections(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) 
     Ok(())
 }
 
-/// History, which exports read and no index holds: it decodes, and none of it is of a version to come.
-async fn history(db: &mut Connection, facts: &MapFacts, faults: &mut Vec<String>) -> Result<(), StoreError> {
-    let mut versions = Vec::new();
-    match operation_rows::all(&mut *db, facts.key).await {
-        Ok(operations) => versions.extend(operations.into_iter().map(|(version, _)| version)),
-        Err(error) => faults.push(error.fault()),
-    }
-    let select = "select version, kind, entries from former_values where map_key = $1";
+/// The log, which no index holds: it is read, and none of it is of a version to come.
+async fn log(db: &mut Connection, facts: &MapFacts, faults: &mut Vec<String>) -> Result<(), StoreError> {
+    let select = "select version, part, body from versions where map_key = $1 order by version, part";
     let mut rows = sql::query(select).bind(facts.key).fetch(db);
+    let mut last = 0;
     while let Some(row) = rows.try_next().await? {
-        let (version, kind, entries) = <(i64, String, Vec<u8>)>::from_row(&row)?;
-        let read = Kind::from_name(&kind).and_then(|kind| former_value_rows::unpacked(kind, &entries));
-        if let Err(error) = read {
-            faults.push(format!("the former values of version {version}: {error}"));
+        let (version, part): (i64, i64) = (row.try_get("version")?, row.try_get("part")?);
+        if let Err(error) = Entry::of(row.try_get("body")?) {
+            faults.push(format!("part {part} of version {version}: {error}"));
         }
-        versions.push(version.unsigned_abs());
+        last = version.unsigned_abs();
     }
-    if let Some(version) = versions.into_iter().find(|version| *version > facts.version) {
-        faults.push(format!("history of version {version}, and the map's is {}", facts.version));
+    if last > facts.version {
+        faults.push(format!("the log has version {last}, and the map's is {}", facts.version));
     }
     Ok(())
 }

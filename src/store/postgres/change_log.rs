@@ -5,12 +5,13 @@
 
 use crate::domain::change::Change;
 use crate::store::commit::job::{Batch, MapKey};
+use crate::store::log::entry::to_bytes;
 use crate::store::rows::statement::run;
 use crate::store::sql::{self, Connection};
 use crate::store::{Store, StoreError};
 
 /// The version of the form of changes: another version of the program may have another one.
-const FORMAT: &str = concat!(env!("CARGO_PKG_VERSION"), "/2");
+const FORMAT: &str = concat!(env!("CARGO_PKG_VERSION"), "/3");
 
 /// Changes that take more bytes are not logged: a map of which so much changed is loaded anew.
 const BYTES_MAX: usize = 1 << 20;
@@ -31,7 +32,7 @@ pub enum News {
 
 /// Logs what a batch changes, unless it is too much.
 pub(in crate::store) async fn log(db: &mut Connection, batch: &Batch) -> Result<(), StoreError> {
-    let Ok(changes) = postcard::to_stdvec(&batch.changes) else { return Ok(()) };
+    let Ok(changes) = to_bytes(&batch.changes) else { return Ok(()) };
     if changes.len() > BYTES_MAX {
         return Ok(());
     }
@@ -103,48 +104,20 @@ fn without_gap(known: u64, rows: Vec<(i64, String, Vec<u8>)>) -> Option<Vec<(u64
         if version as u64 != next || format != FORMAT {
             break;
         }
-        let Ok(of_version) = postcard::from_bytes(&bytes) else { break };
+        let Ok(of_version) = rmp_serde::from_slice(&bytes) else { break };
         changes.push((next, of_version));
     }
     (!changes.is_empty()).then_some(changes)
 }
 
 #[cfg(test)]
-pub(in crate::store) mod tests {
+mod tests {
     use super::*;
     use crate::domain::ids::AnchorSeq;
-    use crate::domain::map::MapProperties;
-    use crate::domain::settings::SettingValue;
-    use crate::geometry::Gravity;
-    use crate::semantics::Patterns;
 
     fn row(version: i64, format: &str) -> (i64, String, Vec<u8>) {
         let changes = vec![Change::AnchorTouched(AnchorSeq(3), version as u64)];
-        (version, format.to_owned(), postcard::to_stdvec(&changes).expect("bytes"))
-    }
-
-    /// The law of the form: changes come back from it as they were. Asked of all that is written in this crate's own tests.
-    pub(in crate::store) fn expect_form(changes: &[Change]) {
-        let bytes = postcard::to_stdvec(changes).expect("bytes");
-        assert_eq!(postcard::from_bytes::<Vec<Change>>(&bytes).expect("changes"), changes);
-    }
-
-    #[test]
-    fn settings_of_every_kind_come_back() {
-        let mut properties =
-            MapProperties { gravity: Gravity::new([0.0, -1.0, 0.0]), ..MapProperties::default() };
-        let patterns = Patterns::new(vec![r"\d\.\d\d".to_owned()]).expect("a pattern");
-        for (name, value) in [
-            ("loop_min_confidence", SettingValue::Number(0.9)),
-            ("candidates_max", SettingValue::Count(7)),
-            ("keep_history", SettingValue::Switch(false)),
-            ("method", SettingValue::Choice("paper")),
-            ("identifier_patterns", SettingValue::Patterns(patterns)),
-        ] {
-            properties.settings.set(name, value).expect("a setting");
-        }
-        let changes = vec![Change::MapSet(Box::new(properties))];
-        expect_form(&changes);
+        (version, format.to_owned(), to_bytes(&changes).expect("bytes"))
     }
 
     #[test]

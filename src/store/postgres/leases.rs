@@ -21,7 +21,7 @@ use crate::domain::ids::MapId;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::commit::transaction::Transaction;
-use crate::store::slices::deferred;
+use crate::store::log::log_rows;
 use crate::store::sql::{self, Connection, Pool};
 
 /// The duration of a lease by the database's clock.
@@ -185,7 +185,7 @@ impl Leases {
         let query = sql::query_scalar(update).bind(map).bind(&self.node).bind(LEASE.as_secs_f64());
         let epoch = query.fetch_one(&mut *db).await?;
         // What the former owner staged and did not commit: no version is made of it.
-        deferred::remove_uncommitted_of(db, map).await?;
+        log_rows::remove_uncommitted_of(db, map).await?;
         Ok(Some(Ok((map, epoch))))
     }
 

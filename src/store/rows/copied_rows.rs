@@ -66,8 +66,9 @@ pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreErr
 
 /// Leaves out the parts of a correction that is not committed yet: no version is made of them.
 fn only_committed(table: &str) -> &'static str {
-    if table == "deferred_parts" {
-        "and version in (select d.version from deferred_changes d where d.map_key = deferred_parts.map_key)"
+    if table == "versions" {
+        "and exists (select 1 from versions o
+            where o.map_key = versions.map_key and o.version = versions.version and (o.part = 0 or versions.part < 0))"
     } else {
         ""
     }

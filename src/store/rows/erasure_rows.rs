@@ -152,7 +152,7 @@ impl Store {
 
     /// Whether changes of the map wait to be brought into their rows.
     pub async fn has_deferred_changes(&self, map: MapKey) -> Result<bool, StoreError> {
-        let select = "select exists (select 1 from deferred_changes where map_key = $1)";
+        let select = "select exists (select 1 from maps where map_key = $1 and waits_version is not null)";
         Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
 }

@@ -27,8 +27,6 @@ const fn with_blobs(name: &'static str, key: &'static str, blobs: &'static str) 
 /// The tables, children before parents.
 pub(in crate::store) const TABLES: &[Table] = &[
     without_rowid("transcripts", "keyframe, detection, step"),
-    without_rowid("replaced_transcripts", "map_version, keyframe, detection, step"),
-    without_rowid("replaced_readings", "map_version, keyframe, detection"),
     with_rowid("model_readings", "keyframe, detection"),
     with_blobs("crops", "keyframe, detection", "length(bytes)"),
     without_rowid("missed_signs", "anchor, keyframe"),
@@ -60,12 +58,8 @@ pub(in crate::store) const TABLES: &[Table] = &[
     without_rowid("release_uses", "session"),
     without_rowid("erasures", "number"),
     without_rowid("model_verdicts", "operation, class, a, b"),
-    without_rowid("replaced_verdicts", "map_version, operation, class, a, b"),
     without_rowid("judgements", "id"),
-    with_blobs("deferred_parts", "version, part", "length(entries)"),
-    without_rowid("deferred_changes", "version"),
-    with_blobs("former_values", "version, part", "length(entries)"),
-    without_rowid("operations", "version, operation"),
+    with_blobs("versions", "version, part", "length(body)"),
 ];
 
 /// Tables with few rows of a map.

@@ -1,8 +1,8 @@
 //! What models said of a map, every answer that was paid for, and what was spent.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use super::replaced_rows;
 use super::statement::run;
 use crate::domain::change::Change;
 use crate::domain::ids::{KeyframeSeq, MapId};
@@ -83,17 +83,53 @@ impl Store {
         keyframe: KeyframeSeq,
         detection: u16,
     ) -> Result<Vec<TranscriptStep>, StoreError> {
-        let select = "select speaker, question, answer from transcripts
-            where map_key = $1 and keyframe = $2 and detection = $3 order by step";
-        let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
-        let rows: Vec<(String, String, String)> = query.fetch_all(&self.readers).await?;
-        let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
-            speaker: speaker.into(),
-            question,
-            answer,
-        };
-        Ok(rows.into_iter().map(step).collect())
+        dialogue(&mut self.readers.acquire().await?, map, (keyframe, detection)).await
     }
+}
+
+/// Returns the dialogue that led to the reading of a crop.
+pub(super) async fn dialogue(
+    db: &mut Connection,
+    map: MapKey,
+    (keyframe, detection): (KeyframeSeq, u16),
+) -> Result<Vec<TranscriptStep>, StoreError> {
+    let select = "select speaker, question, answer from transcripts
+        where map_key = $1 and keyframe = $2 and detection = $3 order by step";
+    let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+    let rows: Vec<(String, String, String)> = query.fetch_all(db).await?;
+    let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
+        speaker: speaker.into(),
+        question,
+        answer,
+    };
+    Ok(rows.into_iter().map(step).collect())
+}
+
+/// Returns the reading of a crop, with the fingerprint of what made it.
+pub(super) async fn reading_of(
+    db: &mut Connection,
+    map: MapKey,
+    (keyframe, detection): (KeyframeSeq, u16),
+) -> Result<Option<(CropReading, Arc<str>)>, StoreError> {
+    let select = "select text, source, described, degraded, fingerprint from model_readings
+        where map_key = $1 and keyframe = $2 and detection = $3";
+    let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+    let found: Option<(String, String, bool, bool, String)> = query.fetch_optional(db).await?;
+    Ok(found.map(|(text, source, described, degraded, fingerprint)| {
+        (CropReading { text: text.into(), source: source.into(), described, degraded }, fingerprint.into())
+    }))
+}
+
+/// Returns the verdict that stands in the place of this one: about the same texts.
+pub(super) async fn verdict_about(
+    db: &mut Connection,
+    map: MapKey,
+    ModelVerdict { class, a, b, finding, .. }: &ModelVerdict,
+) -> Result<Option<ModelVerdict>, StoreError> {
+    let select = "select * from model_verdicts
+        where map_key = $1 and operation = $2 and class = $3 and a = $4 and b = $5";
+    let query = sql::query(select).bind(map).bind(finding.operation()).bind(&**class).bind(&**a).bind(&**b);
+    query.fetch_optional(db).await?.as_ref().map(verdict).transpose()
 }
 
 pub(in crate::store) async fn add_reading(
@@ -101,7 +137,6 @@ pub(in crate::store) async fn add_reading(
     (map, version): (MapKey, u64),
     read: &CropRead,
 ) -> Result<(), StoreError> {
-    replaced_rows::keep_reading(db, (map, version), read.keyframe, read.detection).await?;
     let reading = &read.reading;
     // What is read anew stays in the place of its first reading.
     let select = "select version from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
@@ -130,19 +165,17 @@ pub(in crate::store) async fn add_verdict(
     (map, version): (MapKey, u64),
     verdict: &ModelVerdict,
 ) -> Result<(), StoreError> {
-    let (operation, level, text) = match &verdict.finding {
-        Finding::Similarity(level) => ("similarity", Some(*level), None),
-        Finding::Information(level) => ("information", Some(*level), None),
-        Finding::Merge(text) => ("merge", None, Some(&**text)),
+    let (level, text) = match &verdict.finding {
+        Finding::Similarity(level) | Finding::Information(level) => (Some(*level), None),
+        Finding::Merge(text) => (None, Some(&**text)),
     };
-    replaced_rows::keep_verdict(db, (map, version), operation, verdict).await?;
     let insert = "insert into model_verdicts
             (map_key, operation, class, a, b, level, text, source, reason, fingerprint, version)
         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)
         on conflict (map_key, operation, class, a, b) do update
         set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
             fingerprint = excluded.fingerprint";
-    let query = sql::query(insert).bind(map).bind(operation).bind(&*verdict.class);
+    let query = sql::query(insert).bind(map).bind(verdict.finding.operation()).bind(&*verdict.class);
     let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
     let query = query.bind(&*verdict.source).bind(&*verdict.reason);
     run(db, query.bind(&*verdict.fingerprint).bind(version as i64)).await

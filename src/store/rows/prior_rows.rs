@@ -2,7 +2,6 @@
 
 use super::blob::{pack, unpack_array};
 use super::decode;
-use super::operation_rows::{self, Operation};
 use super::statement::run;
 use super::validate::{self, Known};
 use crate::domain::change::Change;
@@ -13,10 +12,10 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Connection, Row};
 
-/// Adds a prior anchor, whose anchor and frame are there, and notes that it was put.
+/// Adds a prior anchor, whose anchor and frame are there.
 pub(in crate::store) async fn add(
     db: &mut Connection,
-    (map, version): (MapKey, u64),
+    map: MapKey,
     anchor: AnchorSeq,
     prior: &Prior,
 ) -> Result<(), StoreError> {
@@ -33,28 +32,17 @@ pub(in crate::store) async fn add(
         .bind(pack([coords.x, coords.y, coords.z]))
         .bind(prior.normal_in_frame.map(pack))
         .bind(prior.source.as_deref());
-    run(db, query).await?;
-    let select = "select class from anchors where map_key = $1 and anchor = $2";
-    let class: String = sql::query_scalar(select).bind(map).bind(anchor.0).fetch_one(&mut *db).await?;
-    operation_rows::add(db, (map, version), &Operation::Prior { class, prior: prior.clone() }).await
+    run(db, query).await
 }
 
-/// Removes a prior anchor, and notes that it was deleted; does nothing if the anchor is none.
+/// Removes a prior anchor; does nothing if the anchor is none.
 pub(in crate::store) async fn remove(
     db: &mut Connection,
-    (map, version): (MapKey, u64),
+    map: MapKey,
     anchor: AnchorSeq,
 ) -> Result<(), StoreError> {
-    let delete = "delete from prior_anchors where map_key = $1 and anchor = $2 returning id";
-    let removed: Option<String> =
-        sql::query_scalar(delete).bind(map).bind(anchor.0).fetch_optional(&mut *db).await?;
-    match removed {
-        Some(id) => {
-            let operation = Operation::PriorDeleted { id: decode::id(&id)? };
-            operation_rows::add(db, (map, version), &operation).await
-        }
-        None => Ok(()),
-    }
+    let delete = "delete from prior_anchors where map_key = $1 and anchor = $2";
+    run(db, sql::query(delete).bind(map).bind(anchor.0)).await
 }
 
 /// Returns the prior anchors of a map, by number.

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::bulk_insert::write_rows;
-use super::operation_rows::{self, Operation};
 use super::statement::run;
 use super::{decode, map_rows};
 use crate::domain::ids::{MapId, ReleaseName, SessionId};
@@ -11,6 +10,8 @@ use crate::domain::keyframe::Stamp;
 use crate::domain::release::{Release, ReleaseUse};
 use crate::domain::request::Digest;
 use crate::store::commit::job::{CopiedAs, MapKey};
+use crate::store::log::log_rows::{self, FIRST_PART};
+use crate::store::log::parts::Part;
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
@@ -50,7 +51,7 @@ pub(in crate::store) async fn finish_copy(
             run(db, query.bind(&digest[..]).bind(owner.map(|owner| owner.0))).await?;
             run(db, sql::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;
             map_rows::set_properties(db, copy, properties).await?;
-            operation_rows::add(db, (copy, *version), &Operation::Map((**properties).clone())).await
+            log_rows::add(db, (copy, *version), FIRST_PART, &Part::setting(properties)).await
         }
     }
 }

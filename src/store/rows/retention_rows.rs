@@ -46,11 +46,8 @@ pub(in crate::store) async fn forget_parts(
 
 /// Deletes the record of what models said and what others replaced since.
 pub(in crate::store) async fn forget_dialogues(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
-    for table in ["transcripts", "replaced_transcripts", "replaced_readings", "replaced_verdicts"] {
-        let delete = format!("delete from {table} where map_key = $1");
-        run(db, sql::query(sqlx::AssertSqlSafe(delete)).bind(map)).await?;
-    }
-    Ok(())
+    run(db, sql::query("delete from transcripts where map_key = $1").bind(map)).await?;
+    run(db, sql::query("delete from versions where map_key = $1 and part < 0").bind(map)).await
 }
 
 impl Store {
@@ -117,8 +114,7 @@ impl Store {
     /// Whether anything is on record of what models said beside what is in force.
     pub async fn has_dialogues(&self, map: MapKey) -> Result<bool, StoreError> {
         let select = "select exists (select 1 from transcripts where map_key = $1)
-            or exists (select 1 from replaced_readings where map_key = $1)
-            or exists (select 1 from replaced_verdicts where map_key = $1)";
+            or exists (select 1 from versions where map_key = $1 and part < 0)";
         Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
 

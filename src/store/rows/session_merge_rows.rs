@@ -1,6 +1,5 @@
 //! Merges of sessions, as rows. A keyframe's row keeps the session that was sent; these say which it is of by now.
 
-use super::former_value_rows;
 use super::json;
 use super::statement::run;
 use crate::domain::change::{Change, SessionMerge};
@@ -9,6 +8,7 @@ use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::session_merge::MergeUndo;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::log::log_rows;
 use crate::store::sql::{self, Connection};
 
 /// A merge as far as it says which session a keyframe is of.
@@ -96,15 +96,8 @@ pub(in crate::store) async fn all(
 
 /// Returns the changes that tell an index which of these merges can be revoked.
 pub(in crate::store) fn open(merges: &[MergedSession]) -> Vec<Change> {
-    let kept = merges.iter().filter(|merge| merge.is_open).map(|merge| MergeUndo {
-        session: merge.session,
-        into: merge.into,
-        next_keyframe: merge.next_keyframe,
-        keyframes: Vec::new(),
-        points: Vec::new(),
-        detections: Vec::new(),
-        merges: Vec::new(),
-    });
+    let open = merges.iter().filter(|merge| merge.is_open);
+    let kept = open.map(|merge| MergeUndo::naming(merge.session, merge.into, merge.next_keyframe));
     kept.map(|undo| Change::MergeKept(Box::new(undo))).collect()
 }
 
@@ -119,6 +112,9 @@ pub(in crate::store) async fn undo(
     let query = sql::query_as(select).bind(map).bind(session.0);
     let found: Option<(i64, String)> = query.fetch_optional(&mut *db).await?;
     let Some((version, body)) = found else { return Ok(None) };
-    let former = former_value_rows::of_version(db, map, version).await?;
+    let mut former = FormerValues::default();
+    for entry in log_rows::of_version(db, map, version).await? {
+        former.extend(entry.former.into_owned());
+    }
     Ok(Some((json::value(&body)?, former)))
 }

@@ -3,18 +3,20 @@
 //! Events and stored verdicts name keyframes and texts anywhere in them, so they go as a whole. So does the cache of models'
 //! answers, which tells no map.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::column::integers_of;
-use super::former_value_rows::{packed, unpacked};
 use super::judgement_rows;
 use super::read::sent_points;
 use super::statement::run;
-use crate::domain::ids::{PointId, SessionId, SessionSeq};
+use crate::domain::change::Change;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use crate::semantics::Text;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::slices::parts::Kind;
+use crate::store::log::entry::Entry;
+use crate::store::log::log_rows::{self, FIRST_PART};
 use crate::store::sql::{self, Connection};
 
 /// Statements that remove traces. Each has the map's key as its only parameter.
@@ -22,34 +24,11 @@ const STATEMENTS: &[&str] = &[
     "delete from loop_queries where map_key = $1",
     "delete from events where map_key = $1",
     "delete from fleet_frames where map_key = $1",
-    "delete from replaced_verdicts where map_key = $1",
+    "delete from versions where map_key = $1 and part < 0",
     "update judgements set at_class = null, at_a = null, at_b = null, at_operation = null
         where map_key = $1 and state <> 'running'",
     // The merge can be revoked no more: what would revoke it has poses of all its keyframes.
     "update session_merges set undo = null where map_key = $1",
-    // Loops of keyframes that are gone, and what was said of anchors that are.
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'loop'
-        and (cast(json_extract(body, '$.keyframe') as bigint) not in (select keyframe from keyframes where map_key = $1)
-            or cast(json_extract(body, '$.candidate') as bigint) not in (select keyframe from keyframes where map_key = $1))
-        and json_extract(body, '$.id') not in (select id from loops where map_key = $1)",
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'loop_revoked'
-        and json_extract(body, '$.id') not in (select json_extract(body, '$.id') from operations
-            where map_key = $1 and json_extract(body, '$.operation') = 'loop')",
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'description'
-        and cast(json_extract(body, '$.anchor') as bigint) not in (select anchor from anchors where map_key = $1)",
-];
-
-/// The same of what was asked of a session, which is the second parameter: its points, and the plans in its frame.
-const OF_SESSION: &[&str] = &[
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'observations'
-        and cast(json_extract(body, '$.session') as bigint) = $2",
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'prior_deleted'
-        and json_extract(body, '$.id') in (select json_extract(body, '$.id') from operations where map_key = $1
-            and json_extract(body, '$.operation') = 'prior' and cast(json_extract(body, '$.frame') as bigint) = $2)
-        and json_extract(body, '$.id') not in (select json_extract(body, '$.id') from operations where map_key = $1
-            and json_extract(body, '$.operation') = 'prior' and cast(json_extract(body, '$.frame') as bigint) <> $2)",
-    "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'prior'
-        and cast(json_extract(body, '$.frame') as bigint) = $2",
 ];
 
 /// Removes the traces of keyframes that are gone from a map, and of sessions that are erased with them: those are named with all that
@@ -72,7 +51,7 @@ pub(in crate::store) async fn remove(
     if !sessions.is_empty() {
         forget_names_in_loops(db, map).await?;
     }
-    remove_former_values(db, map, &erased).await?;
+    forget_in_log(db, map, erased).await?;
     remove_verdicts(db, map).await?;
     judgement_rows::step_back(db, map).await?;
     run(db, sql::query("delete from model_answers")).await
@@ -120,82 +99,136 @@ async fn forget_session(
     run(db, sql::query(update).bind(map).bind(session.as_str()).bind(&name)).await?;
     let update = "update sessions set id = $3 where map_key = $1 and session = $2";
     run(db, sql::query(update).bind(map).bind(number).bind(name)).await?;
-    for delete in OF_SESSION {
-        run(db, sql::query(*delete).bind(map).bind(number)).await?;
-    }
     Ok(Some(SessionSeq(number)))
 }
 
-/// Removes replaced poses and positions of keyframes that are gone, and of map points that no other keyframe of their session was
-/// sent with. Clients number the points of each session from 0.
-async fn remove_former_values(
-    db: &mut Connection,
-    map: MapKey,
-    erased: &BTreeSet<SessionSeq>,
-) -> Result<(), StoreError> {
-    let select = "select version, part, kind, entries from former_values where map_key = $1";
-    let parts: Vec<(i64, u32, String, Vec<u8>)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
-    if parts.is_empty() {
-        return Ok(());
+/// What the log may still name.
+struct Standing {
+    keyframes: BTreeSet<KeyframeSeq>,
+    anchors: BTreeSet<AnchorSeq>,
+    /// Map points that a keyframe was sent with, by the session that theirs is merged into by now. Clients number the points of each
+    /// session from 0.
+    points: BTreeSet<(SessionSeq, PointId)>,
+    /// Merges that stand, in their order.
+    merges: Vec<(SessionSeq, SessionSeq)>,
+    erased: BTreeSet<SessionSeq>,
+    /// Those, and the sessions that they were merged into for a while: former positions of these are of either.
+    held: BTreeSet<SessionSeq>,
+    /// Loops of which the log tells.
+    loops: BTreeSet<LoopId>,
+}
+
+impl Standing {
+    async fn of(db: &mut Connection, map: MapKey, erased: BTreeSet<SessionSeq>) -> Result<Self, StoreError> {
+        let select = "select anchor from anchors where map_key = $1";
+        let anchors: Vec<u32> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+        let select = "select session, into_session from session_merges where map_key = $1 order by version";
+        let merges: Vec<(u32, u32)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
+        let mut this = Self {
+            keyframes: BTreeSet::new(),
+            anchors: anchors.into_iter().map(AnchorSeq).collect(),
+            points: BTreeSet::new(),
+            merges: merges.into_iter().map(|(from, into)| (SessionSeq(from), SessionSeq(into))).collect(),
+            held: erased.clone(),
+            erased,
+            loops: BTreeSet::new(),
+        };
+        let select = "select keyframe, session, observes, sent_points from keyframes where map_key = $1";
+        for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
+            this.keyframes.insert(KeyframeSeq(row.try_get("keyframe")?));
+            let session = this.whole(SessionSeq(row.try_get("session")?));
+            this.points.extend(sent_points(&row)?.into_iter().map(|point| (session, point)));
+            if !this.merges.is_empty() {
+                // After a merge of sessions points have other numbers than those they were sent with.
+                let observed: Vec<PointId> = integers_of(row.try_get("observes")?)?;
+                this.points.extend(observed.into_iter().map(|point| (session, point)));
+            }
+        }
+        Ok(this)
     }
-    let mut keyframes = BTreeSet::new();
-    let mut points: BTreeSet<(SessionSeq, PointId)> = BTreeSet::new();
-    let select = "select session, into_session from session_merges where map_key = $1 order by version";
-    let merges: Vec<(u32, u32)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
-    let whole = |session: SessionSeq| {
-        merges.iter().fold(session, |now, (from, into)| if now.0 == *from { SessionSeq(*into) } else { now })
-    };
-    let select = "select keyframe, session, observes, sent_points from keyframes where map_key = $1";
-    for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
-        keyframes.insert(row.try_get::<u32, _>("keyframe")?);
-        let session = whole(SessionSeq(row.try_get("session")?));
-        points.extend(sent_points(&row)?.into_iter().map(|point| (session, point)));
-        if !merges.is_empty() {
-            // After a merge of sessions points have other numbers than those they were sent with.
-            let observed: Vec<PointId> = integers_of(row.try_get("observes")?)?;
-            points.extend(observed.into_iter().map(|point| (session, point)));
+
+    /// Returns the session that one is merged into by now.
+    fn whole(&self, session: SessionSeq) -> SessionSeq {
+        self.merges.iter().fold(session, |now, (from, into)| if now == *from { *into } else { now })
+    }
+
+    fn has_point(&self, session: SessionSeq, point: PointId) -> bool {
+        !self.held.contains(&session) && self.points.contains(&(self.whole(session), point))
+    }
+
+    /// Takes a merge that was ever made.
+    fn note_merge(&mut self, change: &Change) {
+        if let Change::SessionsMerged(merge) = change
+            && self.held.contains(&merge.session)
+        {
+            self.held.insert(merge.into);
         }
     }
-    let held = with_those_that_held(db, map, erased).await?;
-    for (version, part, kind, entries) in parts {
-        let mut former = unpacked(Kind::from_name(&kind)?, &entries)?;
-        let stays = |session: SessionSeq, point| {
-            !held.contains(&session) && points.contains(&(whole(session), point))
-        };
-        former.poses.retain(|(keyframe, _)| keyframes.contains(&keyframe.0));
-        former.positions.retain(|(keyframe, ..)| keyframes.contains(&keyframe.0));
-        former.points.retain(|(session, point, _)| stays(*session, *point));
-        former.forgotten.retain(|(session, point, _)| stays(*session, *point));
-        // One part holds one kind, and never more than before.
-        let left = packed(&former).pop().map(|part| part.entries).unwrap_or_default();
-        if left.is_empty() {
-            let delete = "delete from former_values where map_key = $1 and version = $2 and part = $3";
-            run(db, sql::query(delete).bind(map).bind(version).bind(part)).await?;
-        } else if left != entries {
-            let update =
-                "update former_values set entries = $4 where map_key = $1 and version = $2 and part = $3";
-            run(db, sql::query(update).bind(map).bind(version).bind(part).bind(left)).await?;
+
+    /// Whether the log goes on telling a change: asked of all, in their order.
+    fn keeps(&mut self, change: &Change, of: &[Cow<'_, Change>]) -> bool {
+        match change {
+            Change::PoseSet(keyframe, _) => self.keyframes.contains(keyframe),
+            Change::PointSet(session, point, _) => self.has_point(*session, *point),
+            Change::LoopAdded(closed) => {
+                let stands = [closed.keyframe, closed.candidate].iter().all(|of| self.keyframes.contains(of));
+                stands && { self.loops.insert(closed.id.clone()) }
+            }
+            Change::LoopRemoved(id) => self.loops.remove(id),
+            Change::DescriptionSet(anchor, _) => self.anchors.contains(anchor),
+            Change::ObservationsSent(update) => !self.erased.contains(&update.session),
+            Change::PriorSet(_, prior) => !self.erased.contains(&prior.frame),
+            Change::AnchorAdded(anchor, _) => !of.iter().any(|change| {
+                matches!(&**change, Change::PriorSet(of, prior) if of == anchor && self.erased.contains(&prior.frame))
+            }),
+            _ => true,
+        }
+    }
+
+    /// Takes out of an entry what names something that is gone.
+    fn forget(&mut self, entry: &mut Entry<'static>) {
+        let all = std::mem::take(&mut entry.changes);
+        let stays: Vec<bool> = all.iter().map(|change| self.keeps(change, &all)).collect();
+        entry.changes =
+            all.into_iter().zip(stays).filter_map(|(change, stays)| stays.then_some(change)).collect();
+        let former = entry.former.to_mut();
+        former.poses.retain(|(keyframe, _)| self.keyframes.contains(keyframe));
+        former.positions.retain(|(keyframe, ..)| self.keyframes.contains(keyframe));
+        former.points.retain(|(session, point, _)| self.has_point(*session, *point));
+        former.forgotten.retain(|(session, point, _)| self.has_point(*session, *point));
+    }
+}
+
+/// Takes out of the log what names keyframes, points and sessions that are gone.
+async fn forget_in_log(
+    db: &mut Connection,
+    map: MapKey,
+    erased: BTreeSet<SessionSeq>,
+) -> Result<(), StoreError> {
+    let mut standing = Standing::of(db, map, erased).await?;
+    let start = (0, i64::MIN);
+    let mut last = start;
+    while let Some(row) = log_rows::row_after(db, map, last).await? {
+        last = (row.version, row.part);
+        Entry::of(&row.body)?.changes.iter().for_each(|change| standing.note_merge(change));
+    }
+    last = start;
+    let mut counts = 0;
+    while let Some(row) = log_rows::row_after(db, map, last).await? {
+        last = (row.version, row.part);
+        if row.part == FIRST_PART {
+            counts = row.version;
+        }
+        let mut entry = Entry::of(&row.body)?;
+        standing.forget(&mut entry);
+        // Without its first part the others of a version count for nothing, nor do they in the database.
+        let is_left = row.part == FIRST_PART || !entry.is_empty() && counts == row.version;
+        let body = if is_left { Some(entry.to_bytes()?) } else { None };
+        if body.as_ref() != Some(&row.body) {
+            log_rows::replace(db, map, &row, body).await?;
         }
     }
     Ok(())
-}
-
-/// Returns erased sessions with those that they were merged into for a while: former positions of these are of either.
-async fn with_those_that_held(
-    db: &mut Connection,
-    map: MapKey,
-    erased: &BTreeSet<SessionSeq>,
-) -> Result<BTreeSet<SessionSeq>, StoreError> {
-    let select = "select cast(json_extract(body, '$.session') as bigint), cast(json_extract(body, '$.into') as bigint)
-        from operations where map_key = $1 and json_extract(body, '$.operation') = 'merge_sessions' order by version";
-    let merges: Vec<(i64, i64)> = sql::query_as(select).bind(map).fetch_all(db).await?;
-    let mut held: BTreeSet<i64> = erased.iter().map(|session| i64::from(session.0)).collect();
-    for (session, into) in merges {
-        if held.contains(&session) {
-            held.insert(into);
-        }
-    }
-    Ok(held.into_iter().map(|session| SessionSeq(session as u32)).collect())
 }
 
 /// Removes verdicts of models about texts that nothing in the map carries any more.

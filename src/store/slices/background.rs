@@ -14,9 +14,10 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use super::{deferred, deletion, fold};
+use super::{deletion, fold};
 use crate::store::StoreError;
 use crate::store::commit::transaction::Transaction;
+use crate::store::log::log_rows;
 use crate::store::postgres::leases::Leases;
 use crate::store::rows::copied_rows;
 use crate::store::sql::Pool;
@@ -45,8 +46,8 @@ const RETRY: Duration = Duration::from_secs(1);
 /// Rows of a step of deletion, which passes the tables that are empty already each time, ...
 const DELETED_AT_ONCE: u32 = 1024;
 
-/// ... and entries of a step of folding.
-const FOLDED_AT_ONCE: u32 = 128;
+/// ... and changes of a step of folding.
+const FOLDED_AT_ONCE: usize = 128;
 
 /// Which work a slice does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +93,7 @@ impl Slices {
         let cleaned = async {
             let mut transaction = Transaction::write(pool).await?;
             let removed = async {
-                deferred::remove_uncommitted(&mut transaction).await?;
+                log_rows::remove_uncommitted(&mut transaction).await?;
                 copied_rows::remove_incomplete(&mut transaction).await
             };
             let removed = removed.await;
@@ -192,7 +193,7 @@ async fn slice(pool: &Pool, work: Work, leases: Option<&Leases>) -> Result<Done,
         while more && began.elapsed() < SLICE {
             more = match work {
                 Work::Deletion => deletion::remove_rows(&mut transaction, DELETED_AT_ONCE).await?,
-                Work::Fold => fold::fold_entries(&mut transaction, folded, FOLDED_AT_ONCE).await?,
+                Work::Fold => fold::fold(&mut transaction, folded, FOLDED_AT_ONCE).await?,
             };
         }
         // Another map may have its turn next.

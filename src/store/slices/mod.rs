@@ -4,4 +4,3 @@ pub(super) mod background;
 pub(super) mod deferred;
 pub(super) mod deletion;
 pub(super) mod fold;
-pub(super) mod parts;

@@ -1,0 +1,95 @@
+//! An entry: what a part of the log holds, and its form.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::domain::change::Change;
+use crate::domain::former::FormerValues;
+use crate::domain::judged::{CropRead, ModelVerdict};
+use crate::store::StoreError;
+
+/// What one part of a version says, and what it replaced.
+///
+/// Its form is MessagePack with the names of fields: a later program reads what an earlier one wrote, as long as what it added has
+/// a default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(in crate::store) struct Entry<'b> {
+    /// Changes, in their order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Cow<'b, Change>>,
+    /// The values that the version's changes replaced.
+    #[serde(default, skip_serializing_if = "replaces_nothing")]
+    pub former: Cow<'b, FormerValues>,
+    /// What models said until then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unsaid: Vec<Unsaid>,
+}
+
+/// What a model said, and says otherwise since.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::store) enum Unsaid {
+    /// Of texts.
+    Verdict(ModelVerdict),
+    /// Of a crop, with its dialogue.
+    Reading(CropRead),
+}
+
+fn replaces_nothing(former: &FormerValues) -> bool {
+    former.is_empty()
+}
+
+impl Entry<'_> {
+    /// Whether it holds nothing.
+    pub(in crate::store) fn is_empty(&self) -> bool {
+        self.changes.is_empty() && self.former.is_empty() && self.unsaid.is_empty()
+    }
+
+    /// Returns it as bytes.
+    pub(in crate::store) fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
+        to_bytes(self)
+    }
+
+    /// Returns the entry of these bytes.
+    pub(in crate::store) fn of(bytes: &[u8]) -> Result<Entry<'static>, StoreError> {
+        rmp_serde::from_slice(bytes).map_err(|error| StoreError::corrupt(format!("the log: {error}")))
+    }
+}
+
+/// Returns a value in the form of the log.
+pub(in crate::store) fn to_bytes(value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
+    rmp_serde::to_vec_named(value).map_err(|error| StoreError::Database(error.to_string()))
+}
+
+#[cfg(test)]
+pub(in crate::store) mod tests {
+    use super::*;
+    use crate::domain::map::MapProperties;
+    use crate::domain::settings::SettingValue;
+    use crate::geometry::Gravity;
+    use crate::semantics::Patterns;
+
+    /// The law of the form: what is written comes back as it was. Asked of all that is written in this crate's own tests.
+    pub(in crate::store) fn expect_form(changes: &[Change], former: &FormerValues) {
+        let changes = changes.iter().map(Cow::Borrowed).collect();
+        let entry = Entry { changes, former: Cow::Borrowed(former), unsaid: Vec::new() };
+        assert_eq!(Entry::of(&entry.to_bytes().expect("bytes")).expect("an entry"), entry);
+    }
+
+    #[test]
+    fn settings_of_every_kind_come_back() {
+        let mut properties =
+            MapProperties { gravity: Gravity::new([0.0, -1.0, 0.0]), ..MapProperties::default() };
+        let patterns = Patterns::new(vec![r"\d\.\d\d".to_owned()]).expect("a pattern");
+        for (name, value) in [
+            ("loop_min_confidence", SettingValue::Number(0.9)),
+            ("candidates_max", SettingValue::Count(7)),
+            ("keep_history", SettingValue::Switch(false)),
+            ("method", SettingValue::Choice("paper")),
+            ("identifier_patterns", SettingValue::Patterns(patterns)),
+        ] {
+            properties.settings.set(name, value).expect("a setting");
+        }
+        expect_form(&[Change::MapSet(Box::new(properties))], &FormerValues::default());
+    }
+}

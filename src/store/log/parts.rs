@@ -1,0 +1,121 @@
+//! Parts: the changes of a version that the log keeps, each part of a size that one slice brings into the rows.
+
+use std::borrow::Cow;
+
+use super::entry::Entry;
+use crate::domain::change::Change;
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::domain::map::MapProperties;
+use crate::geometry::{Point3, Pose};
+
+/// Changes, or former values, of one part. The small maps of tests have several parts, too.
+const PART: usize = if cfg!(test) { 4 } else { 128 };
+
+/// What a part is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::store) enum Kind {
+    /// What was said, and what it replaced: part 0.
+    Said,
+    /// What models said before.
+    Unsaid,
+    /// Poses and points that were set, or values that were replaced. They stay.
+    Moved,
+    /// What stays only until it is in the rows.
+    Passing,
+}
+
+impl Kind {
+    pub(in crate::store) fn as_str(self) -> &'static str {
+        match self {
+            Self::Said => "said",
+            Self::Unsaid => "unsaid",
+            Self::Moved => "moved",
+            Self::Passing => "passing",
+        }
+    }
+}
+
+/// A part of a version.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part<'b> {
+    pub(in crate::store) kind: Kind,
+    pub(in crate::store) entry: Entry<'b>,
+}
+
+impl Part<'_> {
+    /// Returns the part that sets a map's properties.
+    pub(in crate::store) fn setting(properties: &MapProperties) -> Self {
+        let set = Cow::Owned(Change::MapSet(Box::new(properties.clone())));
+        Self { kind: Kind::Said, entry: Entry { changes: vec![set], ..Entry::default() } }
+    }
+
+    /// Returns the number of values that it holds.
+    pub(in crate::store) fn len(&self) -> usize {
+        self.entry.changes.len() + self.entry.former.len()
+    }
+}
+
+/// Returns the kinds of changes that may wait, in the order in which those of one version reach the rows; none depends on another.
+fn place(change: &Change) -> Option<usize> {
+    match change {
+        Change::PoseSet(..) => Some(0),
+        Change::PointSet(..) => Some(1),
+        Change::PointsForgotten(..) => Some(2),
+        Change::PositionSet(..) => Some(3),
+        Change::AnchorTouched(..) => Some(4),
+        _ => None,
+    }
+}
+
+/// Whether a change may reach its row later.
+pub(in crate::store) fn can_wait(change: &Change) -> bool {
+    place(change).is_some()
+}
+
+/// Whether a change must not overtake those that wait. Of an anchor's versions the largest counts, in whatever order they come.
+pub(in crate::store) fn is_ordered(change: &Change) -> bool {
+    can_wait(change) && !matches!(change, Change::AnchorTouched(..))
+}
+
+/// Returns the parts of changes that reach their rows later. Where a map keeps its history, poses and points stay after that.
+pub(in crate::store) fn moved<'c>(
+    changes: impl Iterator<Item = Cow<'c, Change>>,
+    keeps_history: bool,
+) -> Vec<Part<'c>> {
+    let mut kinds: [Vec<Cow<'c, Change>>; 5] = Default::default();
+    for change in changes {
+        let Some(place) = place(&change) else { continue };
+        match &*change {
+            Change::PointsForgotten(session, points) if points.len() > PART => {
+                let some = |points: &[PointId]| Cow::Owned(Change::PointsForgotten(*session, points.into()));
+                kinds[place].extend(points.chunks(PART).map(some));
+            }
+            _ => kinds[place].push(change),
+        }
+    }
+    let part = |changes: &[Cow<'c, Change>]| {
+        let stays = keeps_history && matches!(*changes[0], Change::PoseSet(..) | Change::PointSet(..));
+        let kind = if stays { Kind::Moved } else { Kind::Passing };
+        Part { kind, entry: Entry { changes: changes.to_vec(), ..Entry::default() } }
+    };
+    kinds.iter().flat_map(|of_kind| of_kind.chunks(PART)).map(part).collect()
+}
+
+/// Returns the parts of the values that a large correction replaced.
+pub(in crate::store) fn replaced(former: FormerValues) -> Vec<Part<'static>> {
+    let FormerValues { poses, points, forgotten, positions } = former;
+    let none = FormerValues::default;
+    let poses = poses
+        .chunks(PART)
+        .map(|some: &[(KeyframeSeq, Pose)]| FormerValues { poses: some.to_vec(), ..none() });
+    let points = points.chunks(PART).map(|some| FormerValues { points: some.to_vec(), ..none() });
+    let forgotten = forgotten.chunks(PART).map(|some| FormerValues { forgotten: some.to_vec(), ..none() });
+    let positions = positions
+        .chunks(PART)
+        .map(|some: &[(KeyframeSeq, u16, Point3)]| FormerValues { positions: some.to_vec(), ..none() });
+    let all = poses.chain(points).chain(forgotten).chain(positions);
+    let part =
+        |former| Part { kind: Kind::Moved, entry: Entry { former: Cow::Owned(former), ..Entry::default() } };
+    all.map(part).collect()
+}
