@@ -8,6 +8,9 @@ create table maps (
     id text collate "C" not null,
     description text collate "C" not null,
     metric bigint not null,
+    anchor_classes text collate "C" not null default '[]',
+    code_classes text collate "C" not null default '[]',
+    settings text collate "C" not null default '{}',
     version bigint not null,
     -- The dense numbers given next. They are facts: a number is never given twice.
     next_keyframe bigint not null,
@@ -29,24 +32,9 @@ create table maps (
     gravity bytea,
     waits_version bigint,
     waits_part bigint,
+    models_away bigint not null default 0,
     constraint maps_key primary key (map_key),
     constraint maps_id unique (id)
-);
-
-create table map_classes (
-    map_key bigint not null,
-    list text collate "C" not null,
-    class text collate "C" not null,
-    constraint map_classes_key primary key (map_key, list, class),
-    constraint map_classes_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table map_settings (
-    map_key bigint not null,
-    name text collate "C" not null,
-    value text collate "C" not null,
-    constraint map_settings_key primary key (map_key, name),
-    constraint map_settings_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
 create table sessions (
@@ -132,6 +120,7 @@ create table detections (
     range_assumed bigint not null default 0,
     deleted_anchor bigint,
     deleted_in bigint,
+    points_now bytea,
     constraint detections_key primary key (map_key, keyframe, detection),
     constraint detections_keyframe foreign key (map_key, keyframe)
         references keyframes (map_key, keyframe) on delete cascade,
@@ -234,23 +223,10 @@ create table model_readings (
     degraded bigint not null,
     fingerprint text collate "C" not null default '',
     version bigint not null default 0,
+    dialogue text collate "C",
     constraint model_readings_key primary key (map_key, keyframe, detection),
     constraint model_readings_detection foreign key (map_key, keyframe, detection)
         references detections (map_key, keyframe, detection) on delete cascade
-);
-
-create table transcripts (
-    map_key bigint not null,
-    keyframe bigint not null,
-    detection bigint not null,
-    step bigint not null,
-    -- Who answered, what was asked and what was answered, as sent.
-    speaker text collate "C" not null,
-    question text collate "C" not null,
-    answer text collate "C" not null,
-    constraint transcripts_key primary key (map_key, keyframe, detection, step),
-    constraint transcripts_reading foreign key (map_key, keyframe, detection)
-        references model_readings (map_key, keyframe, detection) on delete cascade
 );
 
 create table model_verdicts (
@@ -269,12 +245,6 @@ create table model_verdicts (
     version bigint not null default 0,
     constraint model_verdicts_key primary key (map_key, operation, class, a, b),
     constraint model_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table models_away (
-    map_key bigint not null,
-    constraint models_away_key primary key (map_key),
-    constraint models_away_map foreign key (map_key) references maps (map_key) on delete cascade
 );
 
 create table model_answers (
@@ -319,23 +289,18 @@ create table keys (
     -- What a day (UTC) of models may bring for the maps that this key made and the texts it asks about.
     model_daily_calls bigint,
     model_daily_microusd bigint,
+    maps text collate "C" not null,
     constraint keys_key primary key (key),
     constraint keys_hash unique (hash)
 );
 
-create table key_maps (
-    key bigint not null,
-    place bigint not null,
-    pattern text collate "C" not null,
-    constraint key_maps_key primary key (key, place),
-    constraint key_maps_of foreign key (key) references keys (key) on delete cascade
+create table counters (
+    name text collate "C" not null,
+    last bigint not null,
+    constraint counters_key primary key (name)
 );
 
-create table key_changes (
-    only_row bigint not null,
-    change bigint not null,
-    constraint key_changes_key primary key (only_row)
-);
+insert into counters (name, last) values ('event', 0), ('key', 0), ('map', 0);
 
 create table key_usage (
     day bigint not null,
@@ -432,12 +397,6 @@ create index versions_unsaid on versions (map_key, version) where part < 0;
 
 create index maps_waiting on maps (map_key) where waits_version is not null;
 
-create table map_keys (
-    only_row bigint not null,
-    last bigint not null,
-    constraint map_keys_key primary key (only_row)
-);
-
 create table point_blocks (
     map_key bigint not null,
     session bigint not null,
@@ -485,17 +444,6 @@ create table keyframe_points (
     constraint keyframe_points_key primary key (map_key, keyframe),
     constraint keyframe_points_keyframe foreign key (map_key, keyframe)
         references keyframes (map_key, keyframe) on delete cascade
-);
-
-create table detection_points (
-    map_key bigint not null,
-    keyframe bigint not null,
-    detection bigint not null,
-    -- A column of integers, ascending.
-    map_points bytea not null,
-    constraint detection_points_key primary key (map_key, keyframe, detection),
-    constraint detection_points_detection foreign key (map_key, keyframe, detection)
-        references detections (map_key, keyframe, detection) on delete cascade
 );
 
 create table session_merges (
@@ -565,12 +513,6 @@ create table erasures (
     ended_nanosec bigint,
     constraint erasures_key primary key (map_key, number),
     constraint erasures_map foreign key (map_key) references maps (map_key) on delete cascade
-);
-
-create table event_numbers (
-    only_row bigint not null,
-    last bigint not null,
-    constraint event_numbers_key primary key (only_row)
 );
 
 -- The oldest version of the schema that a program may know to work with this one.
@@ -684,30 +626,7 @@ alter table crops alter column bytes set storage external;
 alter table point_blocks alter column points set storage external;
 
 insert into schema_reach (only_row, oldest) values (1, 1);
-insert into map_keys (only_row, last) values (1, 0);
-insert into key_changes (only_row, change) values (1, 0);
-insert into event_numbers (only_row, last) values (1, 0);
-
 -- What SQLite has and PostgreSQL calls otherwise, so that statements need not be written twice.
 
 create function json_each(list text) returns table (value text) language sql immutable strict
     as $$ select jsonb_array_elements_text(list::jsonb) $$;
-
-create function json_extract(body text, path text) returns text language sql immutable strict
-    as $$ select body::jsonb #>> string_to_array(substr(path, 3), '.') $$;
-
-create function json_object_with(object jsonb, name text, value text) returns jsonb language sql immutable
-    as $$ select object || jsonb_build_object(name, value) $$;
-
-create function json_array_with(list jsonb, value text) returns jsonb language sql immutable
-    as $$ select list || to_jsonb(value) $$;
-
-create function json_as_text(json jsonb) returns text language sql immutable as $$ select json::text $$;
-
-create aggregate json_group_object(text, text) (
-    sfunc = json_object_with, stype = jsonb, initcond = '{}', finalfunc = json_as_text
-);
-
-create aggregate json_group_array(text) (
-    sfunc = json_array_with, stype = jsonb, initcond = '[]', finalfunc = json_as_text
-);

@@ -9,6 +9,11 @@ create table maps (
     id text not null,
     description text not null,
     metric integer not null,
+    -- JSON: lists of the classes of which anchors are made, and of those whose texts are compared exactly; and the settings that
+    -- differ from their defaults, so that a better default reaches maps that never chose.
+    anchor_classes text not null default '[]',
+    code_classes text not null default '[]',
+    settings text not null default '{}',
     version integer not null,
     -- The dense numbers given next. They are facts: a number is never given twice.
     next_keyframe integer not null,
@@ -41,27 +46,11 @@ create table maps (
     -- The part of the log from which on poses and points wait for their rows; null where none do.
     waits_version integer,
     waits_part integer,
+    -- Whether questions wait because the model is away: a verdict about the map says so.
+    models_away integer not null default 0,
     constraint maps_key primary key (map_key),
     constraint maps_id unique (id)
 ) strict;
-
-create table map_classes (
-    map_key integer not null,
-    -- anchor: the classes of which anchors are made; code: those whose texts are compared exactly.
-    list text not null,
-    class text not null,
-    constraint map_classes_key primary key (map_key, list, class),
-    constraint map_classes_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
-
--- Only what differs from the default, so that a better default reaches maps that never chose.
-create table map_settings (
-    map_key integer not null,
-    name text not null,
-    value text not null,
-    constraint map_settings_key primary key (map_key, name),
-    constraint map_settings_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
 
 create table sessions (
     map_key integer not null,
@@ -158,6 +147,8 @@ create table detections (
     -- did.
     deleted_anchor integer,
     deleted_in integer,
+    -- A column of integers, ascending: its map points where they are others now than were sent.
+    points_now blob,
     constraint detections_key primary key (map_key, keyframe, detection),
     constraint detections_keyframe foreign key (map_key, keyframe)
         references keyframes (map_key, keyframe) on delete cascade,
@@ -265,25 +256,12 @@ create table model_readings (
     degraded integer not null,
     fingerprint text not null default '',
     version integer not null default 0,
+    -- The dialogue that led to it, step by step, as JSON; null where none is kept.
+    dialogue text,
     constraint model_readings_key primary key (map_key, keyframe, detection),
     constraint model_readings_detection foreign key (map_key, keyframe, detection)
         references detections (map_key, keyframe, detection) on delete cascade
 ) strict;
-
--- The dialogue that led to a reading, step by step.
-create table transcripts (
-    map_key integer not null,
-    keyframe integer not null,
-    detection integer not null,
-    step integer not null,
-    -- Who answered, what was asked and what was answered, as sent.
-    speaker text not null,
-    question text not null,
-    answer text not null,
-    constraint transcripts_key primary key (map_key, keyframe, detection, step),
-    constraint transcripts_reading foreign key (map_key, keyframe, detection)
-        references model_readings (map_key, keyframe, detection) on delete cascade
-) strict, without rowid;
 
 -- SimilarityLevel, InformationLevel and MergeText of texts of one class, in normal form.
 -- Of a pair the smaller text is `a`; of a single text `b` is empty.
@@ -305,13 +283,6 @@ create table model_verdicts (
     version integer not null default 0,
     constraint model_verdicts_key primary key (map_key, operation, class, a, b),
     constraint model_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
-) strict, without rowid;
-
--- The maps whose questions wait because the model is away: a verdict about them says so.
-create table models_away (
-    map_key integer not null,
-    constraint models_away_key primary key (map_key),
-    constraint models_away_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict, without rowid;
 
 -- Every answer that was paid for, by the hash of all that it depends on.
@@ -360,26 +331,22 @@ create table keys (
     -- What a day (UTC) of models may bring for the maps that this key made and the texts it asks about.
     model_daily_calls integer,
     model_daily_microusd integer,
+    -- Patterns of the maps that it may use, as a JSON list.
+    maps text not null,
     constraint keys_key primary key (key),
     constraint keys_hash unique (hash)
 ) strict;
 
-create table key_maps (
-    key integer not null,
-    place integer not null,
-    pattern text not null,
-    constraint key_maps_key primary key (key, place),
-    constraint key_maps_of foreign key (key) references keys (key) on delete cascade
+-- `map`: the key that was given last to a map; it is never given twice, for what a process still holds of a deleted map must not be
+-- taken for another map's. `event`: the greatest number that the next event of a deleted map would have had; events of new maps are
+-- numbered from above it. `key`: counted up with every key made or revoked, by which a server sees what another process did.
+create table counters (
+    name text not null,
+    last integer not null,
+    constraint counters_key primary key (name)
 ) strict, without rowid;
 
--- One row, counted up with every key made or revoked: a server sees by it what another process did.
-create table key_changes (
-    only_row integer not null,
-    change integer not null,
-    constraint key_changes_key primary key (only_row)
-) strict;
-
-insert into key_changes (only_row, change) values (1, 0);
+insert into counters (name, last) values ('event', 0), ('key', 0), ('map', 0);
 
 -- What a day of models brought for a key. What a call may cost is written before it is made.
 create table key_usage (
@@ -487,18 +454,6 @@ create index versions_unsaid on versions (map_key, version) where part < 0;
 
 create index maps_waiting on maps (map_key) where waits_version is not null;
 
--- The key of a map is the database's to give, and is never given twice: what a process still holds of a deleted map must not
--- be taken for another map's.
-
--- One row: the key that was given last.
-create table map_keys (
-    only_row integer not null,
-    last integer not null,
-    constraint map_keys_key primary key (only_row)
-) strict;
-
-insert into map_keys (only_row, last) values (1, 0);
-
 -- Map points, 64 numbers to a row: a row of its own would take twice the bytes of a position.
 create table point_blocks (
     map_key integer not null,
@@ -552,17 +507,6 @@ create table keyframe_points (
     constraint keyframe_points_key primary key (map_key, keyframe),
     constraint keyframe_points_keyframe foreign key (map_key, keyframe)
         references keyframes (map_key, keyframe) on delete cascade
-) strict, without rowid;
-
-create table detection_points (
-    map_key integer not null,
-    keyframe integer not null,
-    detection integer not null,
-    -- A column of integers, ascending.
-    map_points blob not null,
-    constraint detection_points_key primary key (map_key, keyframe, detection),
-    constraint detection_points_detection foreign key (map_key, keyframe, detection)
-        references detections (map_key, keyframe, detection) on delete cascade
 ) strict, without rowid;
 
 -- Sessions that became one with another. The rows in keyframes keep the session that was sent.
@@ -641,11 +585,3 @@ create table erasures (
     constraint erasures_map foreign key (map_key) references maps (map_key) on delete cascade
 ) strict, without rowid;
 
--- The greatest number that the next event of a deleted map would have had: events of new maps are numbered from above it.
-create table event_numbers (
-    only_row integer not null,
-    last integer not null,
-    constraint event_numbers_key primary key (only_row)
-) strict;
-
-insert into event_numbers (only_row, last) values (1, 0);

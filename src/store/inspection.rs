@@ -108,8 +108,7 @@ impl Inspected {
 
     /// Finds keys of maps above the one that was given last: they would be given twice.
     pub async fn key_faults(&mut self) -> Result<Vec<String>, StoreError> {
-        let select =
-            "select id, map_key from maps where map_key > (select last from map_keys) order by map_key";
+        let select = "select id, map_key from maps where map_key > (select last from counters where name = 'map') order by map_key";
         let found: Vec<(String, i64)> = sql::query_as(select).fetch_all(&mut self.db).await?;
         let told = |(id, key)| format!("map {id} has key {key}, which would be given again");
         Ok(found.into_iter().map(told).collect())

@@ -82,7 +82,7 @@ impl MapCopy {
         let mut db = self.store.snapshot().await?;
         let select = "select * from maps where map_key = $1";
         let row = sql::query(select).bind(self.key).fetch_one(&mut *db).await?;
-        let properties = map_rows::properties(&mut db, self.key, &row).await;
+        let properties = map_rows::properties(&row);
         db.commit().await?;
         properties
     }

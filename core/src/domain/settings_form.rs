@@ -8,14 +8,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::settings::{SettingKind, SettingValue, Settings};
 use crate::semantics::Patterns;
 
-/// The value of a setting, whatever its kind.
+/// The value of a setting, whatever its kind. A number that is no count is always written with a point.
 #[derive(Serialize, Deserialize)]
+#[serde(untagged)]
 enum ValueForm {
-    Number(f64),
-    Count(u32),
     Switch(bool),
-    Choice(Box<str>),
+    Count(u32),
+    Number(f64),
     Patterns(Vec<String>),
+    Choice(Box<str>),
 }
 
 impl From<SettingValue> for ValueForm {

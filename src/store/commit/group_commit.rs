@@ -295,13 +295,18 @@ mod tests {
         assert!(matches!(committer.refuses(false), Some(StoreError::DiskFull)));
         assert!(committer.refuses(true).is_none(), "deletes are tried");
         committer.commit(Job::DeleteMap(1)).await.expect("a delete on a full disk");
-        sqlx::query("update event_numbers set last = 77").execute(&pool).await.expect("a number");
+        sqlx::query("update counters set last = 77 where name = 'event'")
+            .execute(&pool)
+            .await
+            .expect("a number");
         pages_at_most(&pool, ROOM_FOR_ANYTHING).await;
         assert!(committer.refuses(false).is_some(), "it has not been tried again yet");
         assert!(committer.refuses_now(false).await.is_none(), "who wants to write has it tried");
         committer.commit(map(key)).await.expect("a write, without a restart");
-        let events: i64 =
-            sqlx::query_scalar("select last from event_numbers").fetch_one(&pool).await.expect("a number");
+        let events: i64 = sqlx::query_scalar("select last from counters where name = 'event'")
+            .fetch_one(&pool)
+            .await
+            .expect("a number");
         assert_eq!(events, 77, "numbers of events are not given again");
     }
 

@@ -4,7 +4,7 @@ use futures_util::TryStreamExt as _;
 use sqlx::AssertSqlSafe;
 
 use super::bulk_insert::{RowValues, write_rows};
-use super::map_tables::{SMALL_TABLES, TABLES, Table};
+use super::map_tables::{TABLES, Table};
 use super::statement::run;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
@@ -39,16 +39,13 @@ pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreErr
     which: Which,
     mut take: impl FnMut(RowBlock) -> F,
 ) -> Result<(), StoreError> {
-    let small = SMALL_TABLES.iter().map(|name| (*name, "rowid", ""));
     let is_read = |table: &&Table| which == Which::Every || !NOT_COPIED.contains(&table.name);
-    let large = TABLES.iter().rev().filter(is_read).map(|table| {
+    let tables = TABLES.iter().rev().filter(is_read).map(|table| {
         let Table { name, key, .. } = table;
         (*name, *key, only_committed(name))
     });
-    for (table, key, condition) in small.chain(large) {
-        // The small ones have no rowid to be read by, and few rows.
-        let order = if key == "rowid" { String::new() } else { format!("order by {key}") };
-        let select = format!("select * from {table} where map_key = $1 {condition} {order}");
+    for (table, key, condition) in tables {
+        let select = format!("select * from {table} where map_key = $1 {condition} order by {key}");
         let mut rows = sql::query(AssertSqlSafe(select)).bind(map).fetch(&mut *db);
         let mut block = RowBlock::of(table);
         while let Some(row) = rows.try_next().await? {
@@ -76,7 +73,7 @@ fn only_committed(table: &str) -> &'static str {
 
 /// Adds the row of a map that is a copy of another one, under an id by which no client finds it, and not complete yet.
 pub(in crate::store) async fn begin(db: &mut Connection, row: &RowBlock, id: &str) -> Result<(), StoreError> {
-    let give = "update map_keys set last = last + 1 returning last";
+    let give = "update counters set last = last + 1 where name = 'map' returning last";
     let key: MapKey = sql::query_scalar(give).fetch_one(&mut *db).await?;
     let replaced = |column: &str| match column {
         "id" => Some(Cell::Text(id.to_owned())),

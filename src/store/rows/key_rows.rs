@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use sqlx::ConnectOptions as _;
 
+use super::json;
 use super::statement::run;
 use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
 use crate::domain::keyframe::Stamp;
@@ -24,32 +25,29 @@ pub struct KeyTable {
 impl Store {
     /// Returns a number that grows with each key made or revoked, by whatever process.
     pub async fn key_change(&self) -> Result<i64, StoreError> {
-        Ok(sql::query_scalar("select change from key_changes").fetch_one(&self.readers).await?)
+        Ok(sql::query_scalar("select last from counters where name = 'key'").fetch_one(&self.readers).await?)
     }
 
     /// Returns every key.
     pub async fn keys(&self) -> Result<KeyTable, StoreError> {
         let mut db = self.snapshot().await?;
-        let change = sql::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;
-        let mut patterns: HashMap<i64, Vec<MapPattern>> = HashMap::new();
-        let select = "select key, pattern from key_maps order by key, place";
-        let rows: Vec<(i64, String)> = sql::query_as(select).fetch_all(&mut *db).await?;
-        for (key, pattern) in rows {
-            patterns.entry(key).or_default().push(stored_pattern(&pattern)?);
-        }
+        let change =
+            sql::query_scalar("select last from counters where name = 'key'").fetch_one(&mut *db).await?;
         let mut by_hash = HashMap::new();
         for row in sql::query("select * from keys").fetch_all(&mut *db).await? {
             let seq: i64 = row.try_get("key")?;
             let hash: &[u8] = row.try_get("hash")?;
             let hash = hash.try_into().map_err(|_| StoreError::corrupt("a hash of another length"))?;
-            by_hash.insert(hash, key(&row, seq, patterns.remove(&seq).unwrap_or_default())?);
+            by_hash.insert(hash, key(&row, seq)?);
         }
         db.commit().await?;
         Ok(KeyTable { change, by_hash })
     }
 }
 
-fn key(row: &Row, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreError> {
+fn key(row: &Row, seq: i64) -> Result<Key, StoreError> {
+    let maps: Vec<String> = json::value(row.try_get("maps")?)?;
+    let maps = maps.iter().map(|pattern| stored_pattern(pattern)).collect::<Result<_, _>>()?;
     let bits: u8 = row.try_get("actions")?;
     let expires: (Option<i64>, Option<u32>) = (row.try_get("expires_sec")?, row.try_get("expires_nanosec")?);
     Ok(Key {
@@ -77,8 +75,8 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
     let (key, properties) = (&new.key, &new.key.properties);
     let insert =
         "insert into keys (key, name, hash, actions, created_sec, expires_sec, expires_nanosec, rate_per_s,
-            max_maps, max_bytes, model_daily_calls, model_daily_microusd)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
+            max_maps, max_bytes, model_daily_calls, model_daily_microusd, maps)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)";
     let query = sql::query(insert)
         .bind(key.seq.0)
         .bind(&properties.name)
@@ -92,11 +90,8 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
         .bind(properties.max_bytes.map(|bytes| bytes as i64))
         .bind(properties.model_daily_calls)
         .bind(properties.model_daily_microusd.map(|microusd| microusd as i64));
-    run(db, query).await?;
-    for (place, pattern) in properties.maps.iter().enumerate() {
-        let insert = "insert into key_maps (key, place, pattern) values ($1, $2, $3)";
-        run(db, sql::query(insert).bind(key.seq.0).bind(place as i64).bind(pattern.to_string())).await?;
-    }
+    let maps: Vec<String> = properties.maps.iter().map(ToString::to_string).collect();
+    run(db, query.bind(json::text(&maps)?)).await?;
     changed(db).await
 }
 
@@ -111,7 +106,7 @@ pub(in crate::store) async fn revoke(
 }
 
 async fn changed(db: &mut Connection) -> Result<(), StoreError> {
-    run(db, sql::query("update key_changes set change = change + 1")).await
+    run(db, sql::query("update counters set last = last + 1 where name = 'key'")).await
 }
 
 fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {

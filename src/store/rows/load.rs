@@ -48,7 +48,7 @@ async fn load_rows(
 ) -> Result<Option<MapFacts>, StoreError> {
     let Some(row) = map_row(db, id).await? else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
-    take(vec![Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
+    take(vec![Change::MapSet(Box::new(map_rows::properties(&row)?))]);
     if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
         take(vec![Change::VocabularySet(vocabulary.into())]);
     }
@@ -289,8 +289,7 @@ async fn load_observations(
     let crops: Vec<(u32, u16)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
     let mut readings = model_rows::readings(&mut *db, key).await?;
-    let mut points = observation_rows::points_of_detections(&mut *db, key).await?;
-    let select = "select keyframe, detection, anchor, class, confidence, box_px, map_points, position, text, description, range_assumed
+    let select = "select keyframe, detection, anchor, class, confidence, box_px, map_points, position, text, description, range_assumed, points_now
         from detections where map_key = $1 and (keyframe, detection) > ($2, $3) and anchor is not null
         order by keyframe, detection limit $4";
     let mut last = (-1_i64, -1_i64);
@@ -302,9 +301,10 @@ async fn load_observations(
         let mut observed = Vec::with_capacity(rows.len());
         for row in &rows {
             let at: (u32, u16) = (row.try_get("keyframe")?, row.try_get("detection")?);
-            let mut observation = decode::observation(row, crops.contains(&at))
-                .map_err(|error| error.of_row(format!("detection {} of keyframe number {}", at.1, at.0)))?;
-            if let Some(points) = points.remove(&at) {
+            let of_row =
+                |error: StoreError| error.of_row(format!("detection {} of keyframe number {}", at.1, at.0));
+            let mut observation = decode::observation(row, crops.contains(&at)).map_err(of_row)?;
+            if let Some(points) = observation_rows::points_of_detection(row).map_err(of_row)? {
                 observation.map_points = points.into();
             }
             let anchor = AnchorSeq(row.try_get("anchor")?);

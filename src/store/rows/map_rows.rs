@@ -1,7 +1,5 @@
 //! A map's own rows: its properties and settings, to the database and back.
 
-use std::collections::BTreeMap;
-
 use super::blob::gravity_blob;
 use super::bulk_insert::write_rows;
 use super::decode::{self, digest};
@@ -10,11 +8,8 @@ use super::statement::run;
 use crate::domain::ids::MapId;
 use crate::domain::key::KeySeq;
 use crate::domain::map::{Learned, MapFigures, MapProperties};
-use crate::domain::method::Method;
 use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
-use crate::domain::settings::{SettingKind, SettingValue, Settings};
-use crate::semantics::Patterns;
 use crate::store::commit::job::{Batch, MapKey};
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
@@ -37,10 +32,10 @@ pub(in crate::store) async fn create(
     digest: &Digest,
     owner: Option<KeySeq>,
 ) -> Result<MapKey, StoreError> {
-    let give = "update map_keys set last = last + 1 returning last";
+    let give = "update counters set last = last + 1 where name = 'map' returning last";
     let key: MapKey = sql::query_scalar(give).fetch_one(&mut *db).await?;
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
-        select $1, $2, '', 0, 1, 0, 0, last + 1, $3, $4, $5 from event_numbers";
+        select $1, $2, '', 0, 1, 0, 0, last + 1, $3, $4, $5 from counters where name = 'event'";
     let query = sql::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
     run(db, query.bind(owner.map(|owner| owner.0)).bind(json::text(&Learned::default())?)).await?;
     set_properties(db, key, properties).await?;
@@ -49,15 +44,15 @@ pub(in crate::store) async fn create(
 
 /// Notes before a map is deleted that its events' numbers were given; a map without events gave none.
 pub(in crate::store) async fn keep_event_numbers(db: &mut Connection, key: MapKey) -> Result<(), StoreError> {
-    let update = "update event_numbers set last = m.next_event from maps m
-        where m.map_key = $1 and m.next_event > event_numbers.last
+    let update = "update counters set last = m.next_event from maps m
+        where counters.name = 'event' and m.map_key = $1 and m.next_event > counters.last
             and (exists (select 1 from events where map_key = $1) or exists (select 1 from erasures where map_key = $1))";
     run(db, sql::query(update).bind(key)).await
 }
 
 /// Writes the number that [`keep_event_numbers`] keeps once more, and so a page of the database.
 pub(in crate::store) async fn rewrite_event_number(db: &mut Connection) -> Result<(), StoreError> {
-    run(db, sql::query("update event_numbers set last = last")).await
+    run(db, sql::query("update counters set last = last where name = 'event'")).await
 }
 
 /// Writes the versions of maps after a batch of each, with what follows from their facts: their figures.
@@ -92,21 +87,10 @@ pub struct MapRow {
     pub digest: Digest,
 }
 
-/// The lists of a map's classes: those of which anchors are made, and those whose texts are codes.
-const ANCHOR: &str = "anchor";
-const CODE: &str = "code";
-
 impl Store {
-    /// Returns the rows of these maps by name; those that are not there are left out. One query, of the row of each map and
-    /// the few settings and classes beside it.
+    /// Returns the rows of these maps by name; those that are not there are left out.
     pub async fn map_rows(&self, ids: &[MapId]) -> Result<Vec<MapRow>, StoreError> {
-        let select = "select m.*,
-                (select json_group_object(s.name, s.value) from map_settings s where s.map_key = m.map_key) as chosen,
-                (select json_group_array(c.class) from map_classes c where c.map_key = m.map_key and c.list = 'anchor')
-                    as anchor_classes,
-                (select json_group_array(c.class) from map_classes c where c.map_key = m.map_key and c.list = 'code')
-                    as code_classes
-            from maps m where m.id in (select value from json_each($1)) order by m.id";
+        let select = "select * from maps where id in (select value from json_each($1)) order by id";
         let ids: Vec<&str> = ids.iter().map(MapId::as_str).collect();
         let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
         let rows = sql::query(select).bind(ids).fetch_all(&self.readers).await?;
@@ -145,24 +129,10 @@ impl Store {
 }
 
 fn map_row(row: &Row) -> Result<MapRow, StoreError> {
-    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
-    let chosen: BTreeMap<String, String> = serde_json::from_str(row.try_get("chosen")?).map_err(unread)?;
-    let classes = |list: &str| {
-        let mut classes: Vec<String> = serde_json::from_str(row.try_get(list)?).map_err(unread)?;
-        classes.sort_unstable();
-        Ok::<_, StoreError>(classes)
-    };
     let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
     let report = MapReport {
         id: decode::id(row.try_get::<&str, _>("id")?)?,
-        properties: MapProperties {
-            description: row.try_get("description")?,
-            metric: row.try_get("metric")?,
-            gravity: decode::gravity(row)?,
-            anchor_classes: classes("anchor_classes")?,
-            code_classes: classes("code_classes")?,
-            settings: settings(chosen)?,
-        },
+        properties: properties(row)?,
         vocabulary: row.try_get("vocabulary")?,
         version: row.try_get::<i64, _>("version")? as u64,
         keyframes: keyframes as usize,
@@ -192,129 +162,29 @@ pub(in crate::store) fn learned(row: &Row) -> Result<Learned, StoreError> {
     json::value(row.try_get("learned")?)
 }
 
-/// Returns a map's properties, in place of those it had.
+/// Gives a map these properties, in place of those it had.
 pub(in crate::store) async fn set_properties(
     db: &mut Connection,
     map: MapKey,
-    properties: &MapProperties,
+    MapProperties { description, metric, gravity, anchor_classes, code_classes, settings }: &MapProperties,
 ) -> Result<(), StoreError> {
-    let update = "update maps set description = $2, metric = $3, gravity = $4 where map_key = $1";
-    let query = sql::query(update).bind(map).bind(&properties.description).bind(properties.metric);
-    run(db, query.bind(properties.gravity.map(gravity_blob))).await?;
-    run(db, sql::query("delete from map_classes where map_key = $1").bind(map)).await?;
-    let anchored = properties.anchor_classes.iter().map(|class| (ANCHOR, class));
-    for (list, class) in anchored.chain(properties.code_classes.iter().map(|class| (CODE, class))) {
-        let insert = "insert into map_classes (map_key, list, class) values ($1, $2, $3)";
-        run(db, sql::query(insert).bind(map).bind(list).bind(class)).await?;
-    }
-    run(db, sql::query("delete from map_settings where map_key = $1").bind(map)).await?;
-    for (name, value) in chosen(&properties.settings) {
-        let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
-        run(db, sql::query(insert).bind(map).bind(name).bind(value)).await?;
-    }
-    Ok(())
+    let update =
+        "update maps set description = $2, metric = $3, gravity = $4, anchor_classes = $5, code_classes = $6,
+        settings = $7 where map_key = $1";
+    let query = sql::query(update).bind(map).bind(description).bind(*metric).bind(gravity.map(gravity_blob));
+    let query = query.bind(json::text(anchor_classes)?).bind(json::text(code_classes)?);
+    run(db, query.bind(json::text(settings)?)).await
 }
 
-/// Returns the settings that differ from their defaults, as text.
-pub(in crate::store) fn chosen(settings: &Settings) -> impl Iterator<Item = (&'static str, String)> {
-    settings.changed().map(|(name, value)| (name, setting_text(value)))
-}
-
-/// Returns a setting as text; numbers in the shortest form that reads back to the same bits.
-fn setting_text(value: SettingValue) -> String {
-    match value {
-        SettingValue::Number(number) => format!("{number:?}"),
-        SettingValue::Count(count) => count.to_string(),
-        SettingValue::Switch(switch) => switch.to_string(),
-        SettingValue::Choice(name) => name.to_owned(),
-        SettingValue::Patterns(patterns) => serde_json::json!(patterns.texts()).to_string(),
-    }
-}
-
-/// Returns a map's properties, as its row and its settings say.
-pub(in crate::store) async fn properties(
-    db: &mut Connection,
-    key: MapKey,
-    row: &Row,
-) -> Result<MapProperties, StoreError> {
-    let stored: Vec<(String, String)> =
-        sql::query_as("select name, value from map_settings where map_key = $1")
-            .bind(key)
-            .fetch_all(&mut *db)
-            .await?;
+/// Returns a map's properties.
+pub(in crate::store) fn properties(row: &Row) -> Result<MapProperties, StoreError> {
+    let settings: &str = row.try_get("settings")?;
     Ok(MapProperties {
         description: row.try_get("description")?,
         metric: row.try_get("metric")?,
         gravity: decode::gravity(row)?,
-        anchor_classes: classes(db, key, ANCHOR).await?,
-        code_classes: classes(db, key, CODE).await?,
-        settings: settings(stored)?,
-    })
-}
-
-/// Returns a list of a map's classes, sorted.
-async fn classes(db: &mut Connection, key: MapKey, list: &str) -> Result<Vec<String>, StoreError> {
-    let select = "select class from map_classes where map_key = $1 and list = $2 order by class";
-    Ok(sql::query_scalar(select).bind(key).bind(list).fetch_all(db).await?)
-}
-
-/// Settings of earlier versions, which decide nothing any more: rows of them are passed over.
-const FORMER_SETTINGS: [&str; 19] = [
-    "aligned_anchors",
-    "anchor_map_min_distance_m",
-    "company",
-    "contradiction_veto",
-    "covisibility_max_gap_s",
-    "distinctive_weights",
-    "geometry_alone_min_inliers",
-    "geometry_resection",
-    "global_channel",
-    "near_miss_neighbours",
-    "neighbours_vouch",
-    "odometry_slack_m",
-    "one_to_one",
-    "returns_close_once",
-    "rival_min_ratio",
-    "single_text_needs_witness",
-    "tracked_loops_need_geometry",
-    "twin_guard",
-    "undecided_min_score_ratio",
-];
-
-/// Returns the settings in force where these were chosen.
-pub(in crate::store) fn settings(
-    chosen: impl IntoIterator<Item = (String, String)>,
-) -> Result<Settings, StoreError> {
-    let mut settings = Settings::default();
-    for (name, text) in chosen {
-        // Before methods were stored, this switch told the paper's.
-        if (name.as_str(), text.as_str()) == ("one_to_one", "false") {
-            settings.method = Method::Paper;
-        }
-        if FORMER_SETTINGS.contains(&name.as_str()) {
-            continue;
-        }
-        let value =
-            setting(&name, &text).ok_or_else(|| StoreError::corrupt(format!("setting {name} = {text}")))?;
-        settings
-            .set(&name, value)
-            .map_err(|error| StoreError::corrupt(format!("setting {name}: {error}")))?;
-    }
-    Ok(settings)
-}
-
-/// Returns the inverse of [`setting_text`].
-fn setting(name: &str, text: &str) -> Option<SettingValue> {
-    let row = Settings::TABLE.iter().find(|row| row.name == name)?;
-    Some(match row.kind {
-        SettingKind::Number { .. } => SettingValue::Number(text.parse().ok()?),
-        SettingKind::Count { .. } => SettingValue::Count(text.parse().ok()?),
-        SettingKind::Switch { .. } => SettingValue::Switch(text.parse().ok()?),
-        SettingKind::Choice { names, .. } => {
-            SettingValue::Choice(names.iter().copied().find(|name| *name == text)?)
-        }
-        SettingKind::Patterns { .. } => {
-            SettingValue::Patterns(Patterns::new(serde_json::from_str(text).ok()?).ok()?)
-        }
+        anchor_classes: json::value(row.try_get("anchor_classes")?)?,
+        code_classes: json::value(row.try_get("code_classes")?)?,
+        settings: json::value(settings)?,
     })
 }

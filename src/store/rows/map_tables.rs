@@ -26,12 +26,10 @@ const fn with_blobs(name: &'static str, key: &'static str, blobs: &'static str) 
 
 /// The tables, children before parents.
 pub(in crate::store) const TABLES: &[Table] = &[
-    without_rowid("transcripts", "keyframe, detection, step"),
     with_rowid("model_readings", "keyframe, detection"),
     with_blobs("crops", "keyframe, detection", "length(bytes)"),
     without_rowid("missed_signs", "anchor, keyframe"),
     without_rowid("retired_signs", "anchor"),
-    without_rowid("detection_points", "keyframe, detection"),
     with_rowid("detections", "keyframe, detection"),
     with_blobs(
         "keyframe_features",
@@ -61,6 +59,3 @@ pub(in crate::store) const TABLES: &[Table] = &[
     without_rowid("judgements", "id"),
     with_blobs("versions", "version, part", "length(body)"),
 ];
-
-/// Tables with few rows of a map.
-pub(in crate::store) const SMALL_TABLES: [&str; 3] = ["map_classes", "map_settings", "models_away"];

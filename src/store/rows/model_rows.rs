@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::json;
 use super::statement::run;
 use crate::domain::change::Change;
 use crate::domain::ids::{KeyframeSeq, MapId};
@@ -93,16 +94,11 @@ pub(super) async fn dialogue(
     map: MapKey,
     (keyframe, detection): (KeyframeSeq, u16),
 ) -> Result<Vec<TranscriptStep>, StoreError> {
-    let select = "select speaker, question, answer from transcripts
-        where map_key = $1 and keyframe = $2 and detection = $3 order by step";
-    let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
-    let rows: Vec<(String, String, String)> = query.fetch_all(db).await?;
-    let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
-        speaker: speaker.into(),
-        question,
-        answer,
-    };
-    Ok(rows.into_iter().map(step).collect())
+    let select = "select dialogue from model_readings
+        where map_key = $1 and keyframe = $2 and detection = $3 and dialogue is not null";
+    let query = sql::query_scalar(select).bind(map).bind(keyframe.0).bind(detection);
+    let found: Option<String> = query.fetch_optional(db).await?;
+    found.map_or(Ok(Vec::new()), |dialogue| json::value(&dialogue))
 }
 
 /// Returns the reading of a crop, with the fingerprint of what made it.
@@ -138,26 +134,18 @@ pub(in crate::store) async fn add_reading(
     read: &CropRead,
 ) -> Result<(), StoreError> {
     let reading = &read.reading;
+    let dialogue = if read.transcript.is_empty() { None } else { Some(json::text(&read.transcript)?) };
     // What is read anew stays in the place of its first reading.
-    let select = "select version from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
-    let first = sql::query_scalar(select).bind(map).bind(read.keyframe.0).bind(read.detection);
-    let first: i64 = first.fetch_optional(&mut *db).await?.unwrap_or(version as i64);
-    let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
-    run(db, sql::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
-    let insert =
-        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint, version)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
+    let insert = "insert into model_readings
+            (map_key, keyframe, detection, text, source, described, degraded, fingerprint, dialogue, version)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)
+        on conflict (map_key, keyframe, detection) do update
+        set text = excluded.text, source = excluded.source, described = excluded.described,
+            degraded = excluded.degraded, fingerprint = excluded.fingerprint, dialogue = excluded.dialogue";
     let query = sql::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
     let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
-    run(db, query.bind(reading.degraded).bind(&*read.fingerprint).bind(first)).await?;
-    for (number, step) in read.transcript.iter().enumerate() {
-        let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
-            values ($1, $2, $3, $4, $5, $6, $7)";
-        let query = sql::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
-        let query = query.bind(number as i64).bind(&*step.speaker).bind(&step.question);
-        run(db, query.bind(&step.answer)).await?;
-    }
-    Ok(())
+    let query = query.bind(reading.degraded).bind(&*read.fingerprint).bind(dialogue);
+    run(db, query.bind(version as i64)).await
 }
 
 pub(in crate::store) async fn add_verdict(
@@ -186,22 +174,15 @@ pub(in crate::store) async fn set_away(
     map: MapKey,
     away: bool,
 ) -> Result<(), StoreError> {
-    let change = if away {
-        "insert into models_away (map_key) values ($1) on conflict do nothing"
-    } else {
-        "delete from models_away where map_key = $1"
-    };
-    run(db, sql::query(change).bind(map)).await
+    let update = "update maps set models_away = $2 where map_key = $1";
+    run(db, sql::query(update).bind(map).bind(away)).await
 }
 
 pub(in crate::store) async fn forget_away(db: &mut Connection) -> Result<(), StoreError> {
     // Releases stay as they are.
-    let update = "update maps set version = version + 1 where id not like '%/%'
-        and map_key in (select map_key from models_away)";
-    run(db, sql::query(update)).await?;
-    let delete =
-        "delete from models_away where map_key in (select map_key from maps where id not like '%/%')";
-    run(db, sql::query(delete)).await
+    let update = "update maps set version = version + 1, models_away = 0
+        where models_away <> 0 and id not like '%/%'";
+    run(db, sql::query(update)).await
 }
 
 /// The number of erasures that were ever asked for: those of deleted maps are forgotten.
@@ -288,7 +269,7 @@ pub(in crate::store) async fn verdicts(db: &mut Connection, map: MapKey) -> Resu
     for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         changes.push(Change::Judged(Box::new(verdict(&row)?)));
     }
-    let select = "select exists (select 1 from models_away where map_key = $1)";
+    let select = "select models_away <> 0 from maps where map_key = $1";
     if sql::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
         changes.push(Change::ModelAway(true));
     }

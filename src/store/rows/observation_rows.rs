@@ -1,7 +1,5 @@
 //! Observations that a client's map changed, as rows beside those that keep what was sent.
 
-use std::collections::HashMap;
-
 use super::column::{integers, integers_of};
 use super::decode;
 use super::keyframe_rows::declared_blob;
@@ -43,10 +41,9 @@ pub(in crate::store) async fn set_points_of_detection(
     (keyframe, detection): (KeyframeSeq, u16),
     points: &[PointId],
 ) -> Result<(), StoreError> {
-    let insert =
-        "insert into detection_points (map_key, keyframe, detection, map_points) values ($1, $2, $3, $4)
-        on conflict (map_key, keyframe, detection) do update set map_points = excluded.map_points";
-    run(db, sql::query(insert).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
+    let update =
+        "update detections set points_now = $4 where map_key = $1 and keyframe = $2 and detection = $3";
+    run(db, sql::query(update).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
 }
 
 /// Gives a keyframe what it observes now, if its row was selected with [`JOINED`] and that is not what was sent.
@@ -65,22 +62,12 @@ pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &Row) -> 
     Ok(())
 }
 
-/// Returns the map points of those detections of a map that have others than were sent.
-pub(in crate::store) async fn points_of_detections(
-    db: &mut Connection,
-    map: MapKey,
-) -> Result<HashMap<(u32, u16), Vec<PointId>>, StoreError> {
-    let select = "select keyframe, detection, map_points from detection_points where map_key = $1";
-    let rows: Vec<(u32, u16, Vec<u8>)> = sql::query_as(select).bind(map).fetch_all(db).await?;
-    let read = |(keyframe, detection, points): (u32, u16, Vec<u8>)| {
-        let of_row = |error: StoreError| {
-            error.of_row(format!("the points of detection {detection} of keyframe number {keyframe}"))
-        };
-        let points: Vec<PointId> = integers_of(&points).map_err(of_row)?;
-        if !points.is_sorted_by(|a, b| a < b) {
-            return Err(of_row(StoreError::corrupt("not in order")));
-        }
-        Ok(((keyframe, detection), points))
-    };
-    rows.into_iter().map(read).collect()
+/// Returns the map points that a detection has now, where they are others than were sent.
+pub(in crate::store) fn points_of_detection(row: &Row) -> Result<Option<Vec<PointId>>, StoreError> {
+    let Some(points) = row.try_get::<Option<&[u8]>, _>("points_now")? else { return Ok(None) };
+    let points: Vec<PointId> = integers_of(points)?;
+    if !points.is_sorted_by(|a, b| a < b) {
+        return Err(StoreError::corrupt("the map points are not in order"));
+    }
+    Ok(Some(points))
 }

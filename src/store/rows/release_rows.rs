@@ -46,7 +46,7 @@ pub(in crate::store) async fn finish_copy(
         CopiedAs::Map { id, properties, version, digest, owner } => {
             // As a map that was just made: its events are numbered from above those of every map that was deleted.
             let update = "update maps set deleted = 0, id = $2, version = $3, digest = $4, owner = $5,
-                next_event = (select last + 1 from event_numbers) where map_key = $1";
+                next_event = (select last + 1 from counters where name = 'event') where map_key = $1";
             let query = sql::query(update).bind(copy).bind(id.as_str()).bind(*version as i64);
             run(db, query.bind(&digest[..]).bind(owner.map(|owner| owner.0))).await?;
             run(db, sql::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;

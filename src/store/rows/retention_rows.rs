@@ -46,7 +46,8 @@ pub(in crate::store) async fn forget_parts(
 
 /// Deletes the record of what models said and what others replaced since.
 pub(in crate::store) async fn forget_dialogues(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
-    run(db, sql::query("delete from transcripts where map_key = $1").bind(map)).await?;
+    let update = "update model_readings set dialogue = null where map_key = $1 and dialogue is not null";
+    run(db, sql::query(update).bind(map)).await?;
     run(db, sql::query("delete from versions where map_key = $1 and part < 0").bind(map)).await
 }
 
@@ -113,7 +114,8 @@ impl Store {
 
     /// Whether anything is on record of what models said beside what is in force.
     pub async fn has_dialogues(&self, map: MapKey) -> Result<bool, StoreError> {
-        let select = "select exists (select 1 from transcripts where map_key = $1)
+        let select =
+            "select exists (select 1 from model_readings where map_key = $1 and dialogue is not null)
             or exists (select 1 from versions where map_key = $1 and part < 0)";
         Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }

@@ -17,9 +17,8 @@ use crate::store::sql::cell::Cell;
 use crate::store::sql::{self, Connection};
 
 /// Tables beside those of maps, parents before children, each with its order and the column that the other database fills in.
-const BESIDE_MAPS: [(&str, &str, &str); 5] = [
+const BESIDE_MAPS: [(&str, &str, &str); 4] = [
     ("keys", "key", ""),
-    ("key_maps", "key, place", ""),
     ("key_usage", "day, key", ""),
     ("model_usage", "day, operation, model", ""),
     ("model_answers", "kept", "kept"),
@@ -146,12 +145,12 @@ pub(in crate::store) async fn write_release(
 
 /// Returns the number that the last event had of maps that are deleted; events of new maps are numbered from above it.
 pub(in crate::store) async fn last_event(db: &mut Connection) -> Result<i64, StoreError> {
-    Ok(sql::query_scalar("select last from event_numbers").fetch_one(db).await?)
+    Ok(sql::query_scalar("select last from counters where name = 'event'").fetch_one(db).await?)
 }
 
 /// Numbers events of new maps from above this number.
 pub(in crate::store) async fn raise_last_event(db: &mut Connection, last: i64) -> Result<(), StoreError> {
-    run(db, sql::query("update event_numbers set last = $1 where last < $1").bind(last)).await
+    run(db, sql::query("update counters set last = $1 where name = 'event' and last < $1").bind(last)).await
 }
 
 /// Returns a digest of all rows of a map, the same in whatever database they lie, and their number.

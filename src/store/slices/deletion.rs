@@ -55,7 +55,6 @@ pub(in crate::store) async fn remove_rows(db: &mut Connection, rows: u32) -> Res
             return Ok(true);
         }
     }
-    // What remains are a few rows of settings and classes.
     run(db, sql::query("delete from maps where map_key = $1").bind(map)).await?;
     Ok(true)
 }
@@ -100,20 +99,21 @@ async fn rows_within(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::rows::map_tables::SMALL_TABLES;
     use crate::store::test_database::database;
 
     #[tokio::test]
-    async fn every_table_with_a_maps_rows_is_removed_in_slices_or_known_to_be_small() {
+    async fn every_table_with_a_maps_rows_is_removed_in_slices() {
         let (_folder, pool) = database().await;
         let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
             where m.type = 'table' and c.name = 'map_key' order by m.name";
         let tables: Vec<String> = sql::query_scalar(select).fetch_all(&pool).await.expect("tables");
         // A map's releases go with it, each a map of its own.
-        let small = [&SMALL_TABLES[..], &["maps", "releases"]].concat();
+        let small = ["maps", "releases"];
         let missing: Vec<_> = tables
             .iter()
-            .filter(|name| !small.contains(&&***name) && !TABLES.iter().any(|table| table.name == **name))
+            .filter(|name| {
+                !small.contains(&name.as_str()) && !TABLES.iter().any(|table| table.name == **name)
+            })
             .collect();
         assert!(
             missing.is_empty(),

@@ -123,7 +123,10 @@ async fn every_damage_is_found() {
         ("update crops set bytes = x'00' where keyframe = 0", "is no such image"),
         ("update loop_queries set body = substr(body, 1, 20)", "is damaged"),
         ("update events set kind = 'nothing' where seq = 1", "event nothing"),
-        ("update map_settings set value = 'many'", "setting covisibility_min_shared_points"),
+        (
+            "update maps set settings = replace(settings, ':12', ':\"many\"')",
+            "covisibility_min_shared_points",
+        ),
         ("drop table point_blocks", "no such table"),
         ("drop table _sqlx_migrations", "this version of revisit cannot read the database"),
     ];
