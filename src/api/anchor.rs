@@ -1,5 +1,6 @@
 //! Anchor: what a reader is shown of a semantic anchor, and what an operator may change (`openapi/openapi.yaml`).
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -9,30 +10,30 @@ use super::keyframe::RangeName;
 use super::limits;
 use super::names::{AnchorStateName, TextKindName};
 use super::prior::{PlanPositionView, PriorView};
+use super::shown::Shown;
 use super::space::rounded;
-use crate::domain::ids::AnchorSeq;
+use crate::domain::ids::SessionId;
 use crate::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
 use crate::domain::verdict::LocalAnchorReport;
 use crate::geometry::{Aabb, Point3};
 
 /// A semantic anchor with all that was derived about it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = AnchorReport)]
 #[schema(as = Anchor)]
 pub struct AnchorView {
     /// Its id: given by the service, or by the client that put a prior anchor.
+    #[from(of.name)]
     pub id: String,
     /// The map's version; left out inside a list, which says it once.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[from(None::<u64>)]
     pub map_version: Option<u64>,
     /// Its class.
     pub class: String,
     /// The state of its description.
     pub state: AnchorStateName,
     /// Its description, if it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// What kind of text that is; left out without a description.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<TextKindName>,
     /// The source of its description: `readings` (the vote over all readings), `operator`, or `plan` for a prior anchor.
     pub description_source: String,
@@ -42,7 +43,6 @@ pub struct AnchorView {
     #[schema(minimum = 1, maximum = 5)]
     pub information_level: u8,
     /// One sentence for a person that says why it has that level; left out without a description.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub information_reason: Option<String>,
     /// The formats of the building's numbers on signs of this class, given or learned: patterns, or shapes such as `#.99`, in
     /// which `#` is a run of digits of any length and `9` one digit; left out while it is not known.
@@ -51,15 +51,15 @@ pub struct AnchorView {
     /// The distinct readings with their votes, heaviest first.
     pub readings: Vec<ReadingView>,
     /// Two readings by models or people that cannot be of one object, such as "901 is not 910"; left out if there are none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disagreement: Option<String>,
     /// The keyframes that saw it, in order of arrival.
     pub keyframes: Vec<String>,
     /// Its box in the frame of the oldest session that saw it; left out while its place is unknown.
-    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "box")]
+    #[from(of.frames.first().map(|(_, bounds, _)| *bounds))]
     pub bounds: Option<BoxView>,
     /// The box's centre, `[x,y,z]` in metres, in the same frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[from(of.frames.first().map(|(_, bounds, _)| place(&bounds.centre())))]
     pub center: Option<[f64; 3]>,
     /// Its box in the frame of each session that saw it, oldest session first.
     pub frames: Vec<AnchorFrameView>,
@@ -70,18 +70,15 @@ pub struct AnchorView {
     /// Number of anchors that match it in all.
     pub matches_total: usize,
     /// Of a retired one, the anchor that hangs in its place, if any does.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub replaced_by: Option<String>,
     /// The anchor whose name it goes by since they became one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub merged_into: Option<String>,
     /// The anchors that go by its name.
     pub merged_from: Vec<String>,
     /// What a plan says of it; left out where no plan shows it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prior: Option<PriorView>,
     /// Its place in a plan's frame; left out where no plan shows it and no session that saw it is aligned to one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.plan_place)]
     pub plan_position: Option<PlanPositionView>,
     /// Whether there is a crop at `.../crop`.
     pub has_crop: bool,
@@ -90,19 +87,20 @@ pub struct AnchorView {
 }
 
 /// A distinct reading of an anchor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = ReadingReport)]
 #[schema(as = Reading)]
 pub struct ReadingView {
     /// The text, as last read.
     pub text: String,
     /// The sum of its detections' confidences.
+    #[rounded]
     pub weight: f64,
     /// Number of detections that read it.
     pub count: usize,
 }
 
 /// An axis-aligned box, in metres; it may be flat.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Box)]
 pub struct BoxView {
     /// The corner with the smallest `[x,y,z]`.
@@ -112,7 +110,7 @@ pub struct BoxView {
 }
 
 /// An anchor's place in one session's frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = AnchorFrame)]
 pub struct AnchorFrameView {
     /// The session whose frame it is.
@@ -123,15 +121,15 @@ pub struct AnchorFrameView {
     /// The box's centre, `[x,y,z]` in metres.
     pub center: [f64; 3],
     /// `assumed` where the distance of a sight that it is placed by was a guess; else left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<RangeName>,
 }
 
 /// Another anchor with the same meaning.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = AnchorMatchReport)]
 #[schema(as = AnchorMatch)]
 pub struct AnchorMatchView {
     /// The other anchor.
+    #[from(of.name)]
     pub anchor: String,
     /// SimilarityLevel of the two descriptions, 1 (different objects) to 5 (the same).
     #[schema(minimum = 1, maximum = 5)]
@@ -139,6 +137,7 @@ pub struct AnchorMatchView {
     /// The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
     pub source: String,
     /// Whether the two were seen apart, so that the robot has come back.
+    #[from(of.revisit)]
     pub kind: MatchKind,
     /// One sentence for a person.
     pub reason: String,
@@ -154,11 +153,12 @@ pub enum MatchKind {
 }
 
 /// A description by hand.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct AnchorPatchBody {
     /// The description that stands from now on, whatever is read; null takes an earlier one back.
     #[schema(required, max_length = 4096)]
+    #[null]
     pub description: Option<String>,
 }
 
@@ -170,7 +170,7 @@ pub struct AnchorPatch {
 }
 
 /// The local anchor map M_k of §V-A.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct LocalAnchorMap {
     /// The central keyframe.
     pub keyframe: String,
@@ -181,7 +181,7 @@ pub struct LocalAnchorMap {
 }
 
 /// An anchor as seen from a central keyframe.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = LocalAnchorReport)]
 #[schema(as = LocalAnchor)]
 pub struct LocalAnchorView {
     /// The anchor.
@@ -191,16 +191,19 @@ pub struct LocalAnchorView {
     /// The state of its description; only valid ones count in S.
     pub state: AnchorStateName,
     /// Its description, if it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// What kind of text that is; left out without a description.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<TextKindName>,
     /// Unit vector towards its centre in the camera's frame, `[x,y,z]`: right, down, forward.
+    #[from(of.bearing.direction_in_camera())]
+    #[rounded]
     pub bearing: [f64; 3],
     /// Its distance, in metres.
+    #[from(of.bearing.distance_m())]
+    #[rounded]
     pub distance_m: f64,
     /// Its weight in Eq. (2), in 1/m.
+    #[rounded]
     pub weight: f64,
 }
 
@@ -216,50 +219,6 @@ impl Decode for AnchorPatch {
     }
 }
 
-impl From<AnchorReport> for AnchorView {
-    fn from(anchor: AnchorReport) -> Self {
-        let frames: Vec<AnchorFrameView> = anchor
-            .frames
-            .into_iter()
-            .map(|(session, aabb, range_assumed)| AnchorFrameView {
-                session: session.to_string(),
-                bounds: aabb.into(),
-                center: shown(&aabb.centre()),
-                range: range_assumed.then_some(RangeName::Assumed),
-            })
-            .collect();
-        Self {
-            id: anchor.name,
-            map_version: None,
-            class: anchor.class,
-            state: anchor.state.into(),
-            description: anchor.description,
-            kind: anchor.kind.map(TextKindName::from),
-            description_source: anchor.description_source.to_owned(),
-            identifiers: anchor.identifiers,
-            information_level: anchor.information_level,
-            information_reason: anchor.information_reason,
-            numbering: anchor.numbering,
-            readings: anchor.readings.into_iter().map(ReadingView::from).collect(),
-            disagreement: anchor.disagreement,
-            keyframes: anchor.keyframes.iter().map(ToString::to_string).collect(),
-            bounds: frames.first().map(|frame| frame.bounds.clone()),
-            center: frames.first().map(|frame| frame.center),
-            frames,
-            map_points: anchor.map_points,
-            matches: anchor.matches.into_iter().map(AnchorMatchView::from).collect(),
-            matches_total: anchor.matches_total,
-            replaced_by: anchor.replaced_by.map(AnchorSeq::public),
-            merged_into: anchor.merged_into.map(AnchorSeq::public),
-            merged_from: anchor.merged_from.into_iter().map(AnchorSeq::public).collect(),
-            prior: anchor.prior.map(PriorView::from),
-            plan_position: anchor.plan_place.map(PlanPositionView::from),
-            has_crop: anchor.has_crop,
-            version: anchor.version,
-        }
-    }
-}
-
 impl AnchorView {
     /// Returns an anchor as an answer of its own, at a version of its map.
     pub fn at(map_version: u64, anchor: AnchorReport) -> Self {
@@ -267,45 +226,29 @@ impl AnchorView {
     }
 }
 
-impl From<ReadingReport> for ReadingView {
-    fn from(reading: ReadingReport) -> Self {
-        Self { text: reading.text, weight: rounded(reading.weight), count: reading.count }
+impl Shown<Aabb> for BoxView {
+    fn shown(aabb: Aabb) -> Self {
+        Self { min: place(&aabb.min()), max: place(&aabb.max()) }
     }
 }
 
-impl From<AnchorMatchReport> for AnchorMatchView {
-    fn from(report: AnchorMatchReport) -> Self {
+impl Shown<(SessionId, Aabb, bool)> for AnchorFrameView {
+    fn shown((session, aabb, range_assumed): (SessionId, Aabb, bool)) -> Self {
         Self {
-            anchor: report.name,
-            level: report.level,
-            source: report.source,
-            kind: if report.revisit { MatchKind::Revisit } else { MatchKind::Covisible },
-            reason: report.reason,
+            session: session.to_string(),
+            bounds: BoxView::shown(aabb),
+            center: place(&aabb.centre()),
+            range: range_assumed.then_some(RangeName::Assumed),
         }
     }
 }
 
-impl From<Aabb> for BoxView {
-    fn from(aabb: Aabb) -> Self {
-        Self { min: shown(&aabb.min()), max: shown(&aabb.max()) }
+impl Shown<bool> for MatchKind {
+    fn shown(is_revisit: bool) -> Self {
+        if is_revisit { Self::Revisit } else { Self::Covisible }
     }
 }
 
-impl From<LocalAnchorReport> for LocalAnchorView {
-    fn from(anchor: LocalAnchorReport) -> Self {
-        Self {
-            anchor: anchor.anchor.to_text(),
-            class: anchor.class,
-            state: anchor.state.into(),
-            description: anchor.description,
-            kind: anchor.kind.map(TextKindName::from),
-            bearing: anchor.bearing.direction_in_camera().map(rounded),
-            distance_m: rounded(anchor.bearing.distance_m()),
-            weight: rounded(anchor.weight),
-        }
-    }
-}
-
-fn shown(point: &Point3) -> [f64; 3] {
+fn place(point: &Point3) -> [f64; 3] {
     [point.x, point.y, point.z].map(rounded)
 }

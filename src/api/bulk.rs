@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
+use revisit_shapes::answer;
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::decoding::document::Json;
 use super::keyframe::{Faulty, KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, of_line};
-use super::poses::Id;
+use super::names::Id;
 use super::problem::ProblemView;
 use crate::domain::ids::KeyframeId;
 
@@ -34,29 +34,24 @@ impl PartialSchema for BulkItem {
 }
 
 /// The outcome of one line of a bulk request.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 pub struct BulkLine {
     /// The keyframe's id; left out where the line has none that can be read.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
     /// The line's number in the request, from 1, blank lines counted.
     pub line: usize,
     /// The HTTP status that a request of its own would have got.
     pub status: u16,
     /// Whether the same keyframe was stored before.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub idempotent_replayed: Option<bool>,
     /// The map's version after it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub map_version: Option<u64>,
     /// Number of keyframes covisible with it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub covisible: Option<usize>,
     /// The outcomes of its detections, in their order.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub detections: Option<Vec<OutcomeView>>,
     /// The reason for its refusal.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<ProblemView>,
 }
 

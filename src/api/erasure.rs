@@ -1,31 +1,29 @@
 //! Erasure: keyframes and sessions that leave for good (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::{answer, body};
 
-use super::decoding::read::{self, Decode, Node};
-use super::limits;
+use super::decoding::read::Node;
 use super::names::ErasureStateName;
 use super::space::Time;
 use crate::domain::erasure::{Erasure, NewErasure};
 use crate::domain::ids::{BackupId, KeyframeId, SessionId};
 
 /// What is to be erased. Exactly one of `keyframes` and `sessions`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body(checked NewErasure)]
+#[derive(Default)]
 pub struct ErasureBody {
     /// Keyframes, by id. One that the map does not have any more is erased from its releases, and from what is left of it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 1, max_items = 10000)]
-    pub keyframes: Option<Vec<String>>,
+    #[id]
+    pub keyframes: Option<Vec<KeyframeId>>,
     /// Whole sessions, by name.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 1, max_items = 1000)]
-    pub sessions: Option<Vec<String>>,
+    #[id]
+    pub sessions: Option<Vec<SessionId>>,
 }
 
 /// An erasure, as far as it has come.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Erasure)]
 pub struct ErasureView {
     /// Its id.
@@ -39,32 +37,19 @@ pub struct ErasureView {
     /// When it was asked for.
     pub begun: Time,
     /// When it was done; left out before that.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended: Option<Time>,
     /// The backups in the server's folder that were taken before it was done, and still hold what it erased.
     pub older_backups: Vec<String>,
 }
 
-impl Decode for NewErasure {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["keyframes", "sessions"])?;
-        let keyframes = body
-            .optional("keyframes", |node| some_of(node, limits::ERASED_KEYFRAMES, read::id::<KeyframeId>));
-        let sessions =
-            body.optional("sessions", |node| some_of(node, limits::ERASED_SESSIONS, read::id::<SessionId>));
-        if body.has("keyframes") == body.has("sessions") {
-            return node.refuse("erase keyframes or sessions", "either \"keyframes\" or \"sessions\"");
-        }
-        match (keyframes?, sessions?) {
-            (Some(keyframes), _) => Some(Self::Keyframes(keyframes)),
-            (None, sessions) => sessions.map(Self::Sessions),
+impl ErasureBody {
+    fn checked(self, node: &Node<'_>) -> Option<NewErasure> {
+        match (self.keyframes, self.sessions) {
+            (Some(keyframes), None) => Some(NewErasure::Keyframes(keyframes)),
+            (None, Some(sessions)) => Some(NewErasure::Sessions(sessions)),
+            _ => node.refuse("erase keyframes or sessions", "either \"keyframes\" or \"sessions\""),
         }
     }
-}
-
-fn some_of<T>(node: &Node<'_>, most: usize, read: impl FnMut(&Node<'_>) -> Option<T>) -> Option<Vec<T>> {
-    let list = node.list(most, read)?;
-    if list.is_empty() { node.refuse("the list is empty", "one or more") } else { Some(list) }
 }
 
 impl ErasureView {

@@ -1,21 +1,20 @@
 //! Frames: the places of a map's sessions relative to each other, and the loops that contradict it (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
+use super::shown::Shown;
 use super::space::{Transform, rounded};
 use crate::domain::fleet_frames::Suspect;
 use crate::domain::report::{FrameReport, FramesReport};
 use crate::geometry::Pose;
 
 /// One frame for all sessions of a map.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = FramesReport)]
 #[schema(as = Frames)]
 pub struct FramesView {
     /// The map's version that it was computed at. While what loops and plans say stays the same, so does it.
     pub version: u64,
     /// The session in whose frame the others are; left out in a map without sessions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
     /// The sessions, in order of appearance.
     pub frames: Vec<FrameView>,
@@ -28,24 +27,22 @@ pub struct FramesView {
 }
 
 /// A session in the frame of the reference.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Frame)]
 pub struct FrameView {
     /// The session.
     pub session: String,
     /// Maps points of its frame into that of the reference; left out if no loop and no plan joins the two.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_from_session: Option<Transform>,
     /// Root mean square of what its loops are off from the frames, in metres; left out without any. Frames are rigid, so that drift
     /// within a session shows here.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<f64>,
     /// Number of its loops with other sessions that count.
     pub loops: usize,
 }
 
 /// A confirmed loop that contradicts the others. Nothing is revoked unasked: `DELETE /v1/maps/{map}/loops/{loop}` does it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = Suspect)]
 #[schema(as = Suspect)]
 pub struct SuspectView {
     /// The loop.
@@ -55,27 +52,17 @@ pub struct SuspectView {
     /// whose tracking it contradicts. A plan that is passed has no id.
     pub cycle: Vec<String>,
     /// The gap of the cycle, in metres.
+    #[from(of.off_m)]
+    #[rounded]
     pub residual: f64,
     /// Its gap in rotation, in rad.
+    #[from(of.off_rad)]
+    #[rounded]
     pub residual_rad: f64,
 }
 
-impl From<FramesReport> for FramesView {
-    fn from(report: FramesReport) -> Self {
-        let FramesReport { version, reference, frames, suspects, loops, left_out } = report;
-        Self {
-            version,
-            reference: reference.map(|id| id.to_string()),
-            frames: frames.into_iter().map(FrameView::from).collect(),
-            suspects: suspects.into_iter().map(SuspectView::from).collect(),
-            loops,
-            left_out,
-        }
-    }
-}
-
-impl From<FrameReport> for FrameView {
-    fn from(frame: FrameReport) -> Self {
+impl Shown<FrameReport> for FrameView {
+    fn shown(frame: FrameReport) -> Self {
         let shown = |pose: Pose| {
             Pose::from_stored(pose.translation_m().map(rounded), pose.rotation_xyzw().map(rounded)).into()
         };
@@ -84,17 +71,6 @@ impl From<FrameReport> for FrameView {
             reference_from_session: frame.reference_from_session.map(shown),
             residual: frame.residual_m.map(rounded),
             loops: frame.loops,
-        }
-    }
-}
-
-impl From<Suspect> for SuspectView {
-    fn from(suspect: Suspect) -> Self {
-        Self {
-            loop_id: suspect.loop_id.to_string(),
-            cycle: suspect.cycle.iter().map(ToString::to_string).collect(),
-            residual: rounded(suspect.off_m),
-            residual_rad: rounded(suspect.off_rad),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Geometry: the figures of the last check, and the transformation that a client closes the loop with.
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -9,43 +10,34 @@ use crate::domain::verdict::{GeometryEvidence, GeometryFigures};
 use crate::geometry::Sim3;
 
 /// The result of geometric verification.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Geometry)]
 pub struct GeometryView {
     /// Its outcome.
     pub status: GeometryStatusName,
     /// The reason why it was skipped or failed, for a person; left out where a check before it decided.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The model that was looked for. Where too few points are triangulated the images alone are compared, by the simplest model that
     /// explains nearly as much as the others.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<GeometryModel>,
     /// Descriptor matches; for `sim3` and `se3` between features with triangulated map points on both sides.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub matches: Option<u32>,
     /// Samples that RANSAC drew.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub hypotheses: Option<u32>,
     /// Matches that the final transformation explains, after the guided search.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inliers: Option<u32>,
     /// The decimal logarithm of the number of false alarms: how often matches placed at random in the images would give a
     /// model with as many inliers. At most -6 is significant.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub log10_false_alarms: Option<f64>,
     /// The inliers' mean reprojection error in both images, in pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_reprojection_error_px: Option<f64>,
     /// Maps points of the query's camera frame into the candidate's camera frame. For `essential` and `homography` the
     /// translation's length is not known and given as 1; for `rotation` nothing of the translation is known, and it is given
     /// as 0. A homography that leaves two motions has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub candidate_from_query: Option<Similarity>,
     /// The covariance of `candidate_from_query` where `sim3` or `se3` is verified, row by row: x, y, z in metres and the
     /// rotation about X, Y, Z in radians, in the candidate's camera frame, as ROS writes it. It says how the inliers
     /// scatter; drift that all of them share does not show in it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 36, max_items = 36)]
     pub covariance: Option<Vec<f64>>,
 }
@@ -91,7 +83,8 @@ impl GeometryModel {
 }
 
 /// A similarity transformation: scale, then rotate, then translate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct Similarity {
     /// Without unit; 1 on metric maps.
     pub scale: f64,

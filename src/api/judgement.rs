@@ -1,11 +1,12 @@
 //! Judgement: a job that asks a changed model again about what it judged before.
 
+use revisit_shapes::{answer, body};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::decoding::read::{self, Decode, Node};
 use super::names::AsksName;
-use crate::domain::judgement::{Asks, JobState, Replaced};
+use crate::domain::ids::JudgementId;
+use crate::domain::judgement::{JobState, Replaced};
 use crate::domain::report::JudgementReport;
 use crate::domain::request::NewJudgement;
 
@@ -13,18 +14,15 @@ use crate::domain::request::NewJudgement;
 const MICROUSD: f64 = 1e6;
 
 /// A job to be started, or to be counted first.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body(NewJudgement)]
+#[derive(Default)]
 pub struct JudgementBody {
     /// Its id; the server finds one if it is left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
-    pub id: Option<String>,
+    #[id]
+    pub id: Option<JudgementId>,
     /// The verdicts to ask for again.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub asks: Option<AsksName>,
     /// Only counts the questions and what they may cost, and starts nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = false)]
     pub preview: Option<bool>,
 }
@@ -44,11 +42,10 @@ pub enum StateName {
 }
 
 /// A job that asks again, as it stands.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Judgement)]
 pub struct JudgementView {
     /// Its id; left out of a preview.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
     /// The map's version.
     pub map_version: u64,
@@ -77,7 +74,7 @@ pub struct JudgementView {
 }
 
 /// A verdict that was replaced, beside the one that stands now.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = ReplacedVerdict)]
 pub struct ReplacedView {
     /// The version of the map that replaced it: earlier answers rest on the verdict before.
@@ -89,10 +86,8 @@ pub struct ReplacedView {
     /// The texts that were judged, in normal form; none of a crop.
     pub texts: Vec<String>,
     /// The keyframe of a crop.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe: Option<String>,
     /// The detection of a crop.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub detection: Option<u16>,
     /// The level or the text that was replaced.
     pub before: String,
@@ -104,13 +99,9 @@ pub struct ReplacedView {
     pub source_after: String,
 }
 
-impl Decode for NewJudgement {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["id", "asks", "preview"])?;
-        let id = body.optional("id", read::id);
-        let asks = body.optional("asks", |node| node.choice(Asks::NAMES, Asks::from_name));
-        let preview = body.optional("preview", read::switch);
-        Some(Self { id: id?, asks: asks?.unwrap_or_default(), preview: preview?.unwrap_or(false) })
+impl From<JudgementBody> for NewJudgement {
+    fn from(JudgementBody { id, asks, preview }: JudgementBody) -> Self {
+        Self { id, asks: asks.unwrap_or_default().0, preview: preview.unwrap_or(false) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Key: an API key as it is made, and as it is read back without its secret.
 
-use serde::{Deserialize, Serialize};
+use revisit_shapes::answer;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
@@ -8,7 +8,7 @@ use super::decoding::read::{Decode, Node};
 use super::limits;
 use super::names::ActionName;
 use super::space::Time;
-use crate::domain::key::{Action, Actions, Key, KeyProperties, MadeKey, MapPattern};
+use crate::domain::key::{Action, Key, KeyProperties, MadeKey, MapPattern};
 use crate::domain::keyframe::Stamp;
 
 /// The notice in the answer to a server's first key.
@@ -16,42 +16,35 @@ const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on ever
     `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
 
 /// A key to be made.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct KeyBody {
     /// Whose it is, for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128)]
     pub name: Option<String>,
     /// Its permissions, at least one.
     #[schema(min_items = 1, max_items = 4, inline)]
     pub actions: Vec<ActionName>,
     /// The maps that exist for it: ids in which `*` stands for any characters. Left out: every map.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 1, max_items = 100, value_type = Option<Vec<PatternShape>>, inline)]
     pub maps: Option<Vec<String>>,
     /// From when on it is no longer good. Left out: never.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub expires: Option<Time>,
     /// Requests a second; a second's worth may come at once, and a bulk line counts as a request. Left out: any number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1, maximum = 1_000_000)]
     pub rate_per_s: Option<u32>,
     /// Maximum maps that it made and that exist: it cannot make more (507). Left out: any number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000)]
     pub max_maps: Option<u32>,
     /// Maximum bytes of these maps, with their releases: what would add to them is refused (507), whoever sends it. What they
     /// hold is looked up once a second. Left out: any number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 9_007_199_254_740_992_i64)]
     pub max_bytes: Option<u64>,
     /// Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000_000)]
     pub model_daily_calls: Option<u32>,
     /// Maximum cost of these calls, in US dollars. Left out: any sum.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000)]
     pub model_daily_usd: Option<f64>,
 }
@@ -62,48 +55,53 @@ pub struct KeyBody {
 pub struct PatternShape(#[expect(dead_code, reason = "a schema only")] String);
 
 /// A key, without its secret.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = Key)]
 pub struct KeyView {
     /// Its id, `key-7`.
+    #[from(of.seq.public())]
     pub id: String,
     /// Whose it is.
+    #[from(of.properties.name)]
     pub name: String,
     /// Its permissions.
     #[schema(inline)]
+    #[from(of.properties.actions.iter().collect::<Vec<_>>())]
     pub actions: Vec<ActionName>,
     /// The maps that exist for it.
+    #[from(of.properties.maps)]
     pub maps: Vec<String>,
     /// The time when it was made.
+    #[from(second(of.created_sec))]
     pub created: Time,
     /// From when on it is no longer good; left out if it does not expire.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.expires)]
     pub expires: Option<Time>,
     /// The time when it was revoked; left out while it is good.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.revoked_sec.map(second))]
     pub revoked: Option<Time>,
     /// Requests a second.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.rate_per_s)]
     pub rate_per_s: Option<u32>,
     /// Maximum maps that it made and that exist.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.max_maps)]
     pub max_maps: Option<u32>,
     /// Maximum bytes of these maps with their releases.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.max_bytes)]
     pub max_bytes: Option<u64>,
     /// Calls of models a day.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.model_daily_calls)]
     pub model_daily_calls: Option<u32>,
     /// Maximum cost of these calls, in US dollars.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(of.properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6))]
     pub model_daily_usd: Option<f64>,
     /// When the server that answers was last asked with it; left out if it was not since that server started.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(None::<Stamp>)]
     pub last_used: Option<Time>,
     /// The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and kept nowhere.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(None::<String>)]
     pub secret: Option<String>,
     /// The consequences, if this is the server's first key.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[from(None::<String>)]
     pub notice: Option<String>,
 }
 
@@ -151,32 +149,8 @@ fn pattern(node: &Node<'_>) -> Option<MapPattern> {
     }
 }
 
-fn actions(actions: Actions) -> Vec<ActionName> {
-    actions.iter().map(ActionName::from).collect()
-}
-
-impl From<Key> for KeyView {
-    fn from(key: Key) -> Self {
-        let second = |sec| Time { sec, nanosec: 0 };
-        let Key { seq, properties, created_sec, revoked_sec } = key;
-        Self {
-            id: seq.public(),
-            name: properties.name,
-            actions: actions(properties.actions),
-            maps: properties.maps.iter().map(ToString::to_string).collect(),
-            created: second(created_sec),
-            expires: properties.expires.map(Time::from),
-            revoked: revoked_sec.map(second),
-            rate_per_s: properties.rate_per_s,
-            max_maps: properties.max_maps,
-            max_bytes: properties.max_bytes,
-            model_daily_calls: properties.model_daily_calls,
-            model_daily_usd: properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6),
-            last_used: None,
-            secret: None,
-            notice: None,
-        }
-    }
+fn second(sec: i64) -> Stamp {
+    Stamp { sec, nanosec: 0 }
 }
 
 impl From<MadeKey> for KeyView {

@@ -1,5 +1,6 @@
 //! List: one part of something long, and where the next part starts.
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -86,15 +87,15 @@ plain_list!(
     VerdictList of ListedVerdictView
 );
 /// Maps, by id.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct MapList {
     /// The items of this part.
     pub items: Vec<MapView>,
     /// The cursor of the next part; null after the last one.
     #[schema(required)]
+    #[null]
     pub next_cursor: Option<String>,
     /// The maps that the key covers, as patterns; left out where it covers every map.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covered: Option<Vec<String>>,
 }
 

@@ -1,7 +1,6 @@
 //! Loop query: "is this keyframe a loop?" as a client asks it (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::decoding::read::{self, Decode, Node};
 use super::keyframe::{self, KeyframeBody};
@@ -11,33 +10,27 @@ use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::Verify;
 
 /// A loop query: about a stored keyframe, or about one sent along and not stored. Exactly one of `keyframe` and `inline`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct LoopQueryBody {
     /// The id of a stored keyframe.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
     /// A keyframe that is not stored.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inline: Option<KeyframeBody>,
     /// The release of the map that is asked; left out: the map as it stands. A stored keyframe must be one of the release.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub release: Option<String>,
     /// The checks that must run.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub verify: Option<VerifyName>,
     /// Maximum wait for models that are still judging, in milliseconds.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0, maximum = 60000)]
     pub max_wait_ms: Option<u64>,
     /// The seed of what is drawn at random.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0)]
     pub seed: Option<i64>,
     /// Whether a loop that repeats a confirmed one is a `loop`, too, and not `already_closed`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = false)]
     pub again: Option<bool>,
 }

@@ -1,18 +1,18 @@
 //! Loop: one that a client closed, what it merged, and what its revocation splits again (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::decoding::read::{self, Decode, Node};
 use super::limits;
 use super::names::LoopWarningCodeName;
+use super::shown::Shown;
 use super::space::{SimilarityShape, similarity};
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, MergeReport};
 use crate::domain::request::NewLoop;
 
 /// A loop that the client closed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct LoopBody {
     /// Its id.
@@ -25,17 +25,15 @@ pub struct LoopBody {
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub candidate: String,
     /// The id of the loop query that found it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128)]
     pub query: Option<String>,
     /// The pose of the keyframe in the candidate's camera frame, as the client closed it; left out: what the query verified, if its
     /// answer is still stored. It joins the frames of two robots.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub candidate_from_query: Option<SimilarityShape>,
 }
 
 /// A loop is closed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct LoopClosed {
     /// Its id.
     pub id: String,
@@ -50,7 +48,7 @@ pub struct LoopClosed {
 }
 
 /// Evidence against a loop that was confirmed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = LoopWarning)]
 #[schema(as = LoopWarning)]
 pub struct LoopWarningView {
     /// The kind of evidence.
@@ -60,7 +58,7 @@ pub struct LoopWarningView {
 }
 
 /// A loop is revoked.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct LoopRevoked {
     /// Its id.
     pub id: String,
@@ -71,7 +69,7 @@ pub struct LoopRevoked {
 }
 
 /// A confirmed loop.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = LoopReport)]
 pub struct LoopView {
     /// Its id.
     pub id: String,
@@ -80,14 +78,13 @@ pub struct LoopView {
     /// The keyframe it came back to.
     pub candidate: String,
     /// The loop query that found it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub query: Option<String>,
     /// The pairs of anchors that it made one.
     pub merged: Vec<MergeView>,
 }
 
 /// A pair of anchors.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = MergeReport)]
 #[schema(as = Merge)]
 pub struct MergeView {
     /// The older anchor, by whose name both go.
@@ -135,38 +132,15 @@ impl LoopClosed {
         Self {
             id: report.id.to_string(),
             map_version,
-            merged: pairs(report.merged),
-            warnings: warnings.into_iter().map(LoopWarningView::from).collect(),
+            merged: Shown::shown(report.merged),
+            warnings: Shown::shown(warnings),
         }
-    }
-}
-
-impl From<LoopWarning> for LoopWarningView {
-    fn from(warning: LoopWarning) -> Self {
-        Self { code: warning.code.into(), detail: warning.detail }
     }
 }
 
 impl LoopRevoked {
     /// Returns the answer to a loop that was revoked.
     pub fn of(map_version: u64, report: LoopReport) -> Self {
-        Self { id: report.id.to_string(), map_version, split: pairs(report.merged) }
+        Self { id: report.id.to_string(), map_version, split: Shown::shown(report.merged) }
     }
-}
-
-impl From<LoopReport> for LoopView {
-    fn from(report: LoopReport) -> Self {
-        Self {
-            id: report.id.to_string(),
-            keyframe: report.keyframe.to_string(),
-            candidate: report.candidate.to_string(),
-            query: report.query,
-            merged: pairs(report.merged),
-        }
-    }
-}
-
-fn pairs(merged: Vec<MergeReport>) -> Vec<MergeView> {
-    let pair = |merge: MergeReport| MergeView { into: merge.into.public(), from: merge.from.public() };
-    merged.into_iter().map(pair).collect()
 }

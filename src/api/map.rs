@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use revisit_shapes::answer;
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node, Object};
@@ -16,43 +16,37 @@ use crate::domain::request::{Detail, MapPatch, NewMap};
 use crate::geometry::Gravity;
 
 /// A map to be made.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct MapBody {
     /// Free text for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
     /// Whether its lengths are metres. Then the scale between two sessions is 1. If not, settings in metres are in the unit of the
     /// poses that it is sent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = true)]
     pub metric: Option<bool>,
     /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
     /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Direction>, inline)]
     pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made; empty means every class.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
     /// The classes whose texts are codes, such as fiducial markers and asset numbers. Codes are compared exactly: case and each
     /// character count.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub code_classes: Option<Vec<String>>,
     /// The settings that differ from their defaults.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<MapSettings>,
     /// What the map begins as: a copy of a release, or of a map as it stands, with its keyframes, anchors and loops. The other
     /// members then change what it has from there. The copy and the map go different ways from then on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<MapBaseShape>,
 }
 
 /// The map that a new one begins as.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = MapBase)]
 pub struct MapBaseShape {
@@ -60,37 +54,31 @@ pub struct MapBaseShape {
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub map: String,
     /// Its release; left out: the map as it stands.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub release: Option<String>,
 }
 
 /// Changes of a map; a field that is left out stays as it is.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct MapPatchBody {
     /// Free text for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
     /// Whether its lengths are metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<bool>,
     /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
     /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Direction>, inline)]
     pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made from now on; empty means every class.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
     /// The classes whose texts are codes, compared exactly. What was read of them before is compared so, too.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub code_classes: Option<Vec<String>>,
     /// The settings to be set; the others stay as they are.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<MapSettings>,
 }
 
@@ -100,28 +88,33 @@ pub struct MapPatchBody {
 pub struct ClassName(#[expect(dead_code, reason = "a schema only")] String);
 
 /// A map at one version.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = MapReport)]
 pub struct MapView {
     /// Its id.
     pub id: String,
     /// Grows by one with each write to the map.
+    #[from(of.version)]
     pub map_version: u64,
     /// Free text for people.
+    #[from(of.properties.description)]
     pub description: String,
     /// Whether its lengths are metres.
+    #[from(of.properties.metric)]
     pub metric: bool,
     /// The unit vector of gravity in the frame of each of its sessions; left out while it is not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Direction>, inline)]
+    #[from(of.properties.gravity.map(|gravity| gravity.as_given()))]
     pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made, sorted; empty means every class.
+    #[from(of.properties.anchor_classes)]
     pub anchor_classes: Vec<String>,
     /// The classes whose texts are codes, compared exactly, sorted.
+    #[from(of.properties.code_classes)]
     pub code_classes: Vec<String>,
     /// Every setting in force; with `?detail=brief` those that differ from their defaults.
+    #[from(MapSettings::from(&of.properties.settings))]
     pub settings: MapSettings,
     /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub vocabulary: Option<String>,
     /// Number of its keyframes.
     pub keyframes: usize,
@@ -137,15 +130,17 @@ pub struct MapView {
     /// By class, how the building writes its numbers, as learned from ten values or more: `#` stands for the first run of
     /// digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns that were given stand in `settings`.
     #[schema(value_type = BTreeMap<String, Vec<String>>)]
+    #[from((*of.learned.numbering).clone())]
     pub numbering: BTreeMap<Box<str>, Vec<String>>,
     /// The views that this map has in two places; around the two, different signs hang. Looked
     /// for where `without_anchors` is `geometry`.
     #[schema(max_items = 8)]
+    #[from(of.learned.twins)]
     pub twins: Vec<TwinsView>,
 }
 
 /// Two keyframes of one view, by geometry, around which different signs hang.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = NamedTwins)]
 #[schema(as = Twins)]
 pub struct TwinsView {
     /// The keyframe that was written last.
@@ -159,7 +154,8 @@ pub struct TwinsView {
 }
 
 /// The map's version after a write that has nothing else to tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct MapVersion {
     /// Grows by one with each write to the map.
     pub map_version: u64,
@@ -234,39 +230,5 @@ impl MapView {
         let changed = (detail == Detail::Brief).then(|| MapSettings::changed(&map.properties.settings));
         let whole = Self::from(map);
         Self { settings: changed.unwrap_or(whole.settings), ..whole }
-    }
-}
-
-impl From<MapReport> for MapView {
-    fn from(map: MapReport) -> Self {
-        Self {
-            id: map.id.to_string(),
-            map_version: map.version,
-            vocabulary: map.vocabulary,
-            settings: (&map.properties.settings).into(),
-            description: map.properties.description,
-            metric: map.properties.metric,
-            gravity: map.properties.gravity.map(|gravity| gravity.as_given()),
-            anchor_classes: map.properties.anchor_classes,
-            code_classes: map.properties.code_classes,
-            keyframes: map.keyframes,
-            anchors: map.anchors,
-            sessions: map.sessions,
-            loops: map.loops,
-            bytes: map.bytes,
-            numbering: (*map.learned.numbering).clone(),
-            twins: map.learned.twins.into_iter().map(TwinsView::from).collect(),
-        }
-    }
-}
-
-impl From<NamedTwins> for TwinsView {
-    fn from(twins: NamedTwins) -> Self {
-        Self {
-            keyframe: twins.keyframe.to_string(),
-            candidate: twins.candidate.to_string(),
-            anchor: twins.anchor.public(),
-            candidate_anchor: twins.candidate_anchor.public(),
-        }
     }
 }

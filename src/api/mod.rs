@@ -53,6 +53,7 @@ pub mod service;
 pub mod session;
 pub mod session_merge;
 pub mod settings;
+pub mod shown;
 pub mod space;
 pub mod trajectory;
 pub mod transcript;

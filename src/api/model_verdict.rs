@@ -1,5 +1,6 @@
 //! Model verdict: what a model said of a map's texts or crops, brought from elsewhere.
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -11,49 +12,40 @@ use crate::domain::request::NewVerdict;
 use crate::semantics::Text;
 
 /// A verdict of a model: a level or a merged text of texts of one class, or a description of a detection's crop.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = ModelVerdict)]
 pub struct ModelVerdictBody {
     /// The question.
     pub operation: ModelOperationName,
     /// The class of the objects that carry the texts; of all but `describe`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 64)]
     pub class: Option<String>,
     /// The texts: two, or one for `information`; none for `describe`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 2)]
     pub texts: Option<Vec<String>>,
     /// The level of `similarity` and `information`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1, maximum = 5)]
     pub level: Option<u8>,
     /// The text of `merge` and `describe`; empty where nothing could be made of a crop.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub text: Option<String>,
     /// The keyframe of the crop that was described.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
     /// The number of the detection in it, from 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 499)]
     pub detection: Option<u16>,
     /// Whether a model described the crop, rather than a reader of characters.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = true)]
     pub described: Option<bool>,
     /// Whether a reader stood in for the model: it is read again once a model is there.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = false)]
     pub degraded: Option<bool>,
     /// Its source, such as `model:gpt-4o-mini`.
     #[schema(min_length = 1, max_length = 128)]
     pub source: String,
     /// Why, in one sentence for a person.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub reason: Option<String>,
 }
@@ -71,7 +63,8 @@ pub enum ModelOperationName {
 }
 
 /// The effect of a verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct ModelVerdictAnswer {
     /// The map's version after it.
     pub map_version: u64,

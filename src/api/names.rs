@@ -9,6 +9,7 @@ use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
+use super::decoding::read::{Decode, Node};
 use crate::domain::anchor::{AnchorState, IgnoredReason};
 use crate::domain::channel::Channel;
 use crate::domain::erasure::ErasureState;
@@ -25,9 +26,20 @@ use crate::named::Named;
 use crate::semantics::TextKind;
 
 /// A value of the model, written as its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Name<T>(pub T);
+
+impl<T: Named> Decode for Name<T> {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        node.choice(T::NAMES, T::of_name).map(Self)
+    }
+}
+
+/// An id, made by the client.
+#[derive(ToSchema)]
+#[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
+pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
 
 /// The place of an enum in the API document.
 pub trait Documented: Named {

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use serde::{Deserialize, Serialize};
+use revisit_shapes::answer;
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node};
@@ -12,11 +12,10 @@ use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations};
 
 /// Changes that a robot's map made to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct ObservationsBody {
     /// The session.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(
         default = "default",
         min_length = 1,
@@ -26,15 +25,12 @@ pub struct ObservationsBody {
     pub session: Option<String>,
     /// Fused map points, `[old, new]` each: who observed the old one observes the new one from now on. The new one keeps its
     /// position, or takes the old one's. No point is fused twice; `[1,2]` and `[2,3]` make both of them 3.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10_000, value_type = Option<Vec<FusedPoints>>, inline)]
     pub replaced: Option<Vec<Vec<i64>>>,
     /// Culled map points: nobody observes them any more.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub removed: Option<Vec<i64>>,
     /// Keyframes of the session of which there is more to say, none twice.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 1_000)]
     pub keyframes: Option<Vec<ChangedKeyframeShape>>,
 }
@@ -49,7 +45,7 @@ pub struct FusedPoints(
 );
 
 /// The map points and covisible keyframes of a keyframe, as the robot's map has them now.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = ChangedKeyframe)]
 pub struct ChangedKeyframeShape {
@@ -58,21 +54,19 @@ pub struct ChangedKeyframeShape {
     pub keyframe: String,
     /// All map points that it observes, those of its features included; a feature whose point is not listed observes none.
     /// Left out: what it observed, as far as points were not fused or culled.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
     /// The same, packed: base64 of little-endian 64-bit signed numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1_066_668)]
     pub observes_i64: Option<String>,
     /// Covisible keyframes besides those declared before, or with another number of shared points; each must exist.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10_000)]
     pub covisible: Option<Vec<CovisibleShape>>,
 }
 
 /// The map follows the robot's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct ObservationsAnswer {
     /// The map's version after it.
     pub map_version: u64,

@@ -1,7 +1,6 @@
 //! Poses: what the client's optimisation corrected, in one piece (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::decoding::read::{self, Decode, Node};
 use super::keyframe::{PointsShape, SentPoints, points};
@@ -12,11 +11,10 @@ use crate::domain::request::PoseCorrection;
 use crate::geometry::Pose;
 
 /// Corrected poses and map points of one session; all of it is taken over, or nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct PosesBody {
     /// The session.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(
         default = "default",
         min_length = 1,
@@ -25,33 +23,27 @@ pub struct PosesBody {
     )]
     pub session: Option<String>,
     /// Its keyframes with their corrected poses.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframes: Option<PoseList>,
     /// Its map points at their corrected positions.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentPoints>)]
     pub map_points: Option<PointsShape>,
 }
 
 /// Keyframes and their poses: two lists in parallel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct PoseList {
     /// The keyframes, none twice.
-    #[schema(max_items = 100_000, value_type = Vec<Id>, inline)]
+    #[schema(max_items = 100_000, value_type = Vec<super::names::Id>, inline)]
     pub ids: Vec<String>,
     /// `map_from_camera` of each in the session's frame, in metres.
     #[schema(max_items = 100_000)]
     pub poses: Vec<Transform>,
 }
 
-/// An id, made by the client.
-#[derive(ToSchema)]
-#[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
-
 /// Poses and points are corrected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct PosesAnswer {
     /// The map's version after it.
     pub map_version: u64,

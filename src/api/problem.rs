@@ -1,12 +1,12 @@
 //! Problem: the one shape of every answer of 400 and above (RFC 9457, `openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use crate::domain::invalid::FieldError;
 
 /// The reason why a request was refused, or failed.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[schema(as = Problem)]
 pub struct ProblemView {
     /// Address of an explanation of the kind of problem.
@@ -28,7 +28,8 @@ pub struct ProblemView {
 }
 
 /// One fault of a request.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = FieldError)]
+#[derive(Default)]
 #[schema(as = Fault)]
 pub struct FaultView {
     /// JSON pointer into the body (`/detections/0/box`), a query parameter (`?limit`), a part of the path (`{map}`)
@@ -37,16 +38,7 @@ pub struct FaultView {
     /// Description of the fault.
     pub detail: String,
     /// The value that was sent, shortened.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub got: Option<String>,
     /// The values that are allowed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<String>,
-}
-
-impl From<FieldError> for FaultView {
-    fn from(error: FieldError) -> Self {
-        let FieldError { pointer, detail, got, limit } = error;
-        Self { pointer, detail, got, limit }
-    }
 }

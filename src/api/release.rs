@@ -1,29 +1,26 @@
 //! Release: a named version of a map that stays as it is (`openapi/openapi.yaml`).
 
+use revisit_shapes::{answer, body};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::decoding::read::{Decode, Node};
-use super::limits;
 use super::space::{Time, rounded};
 use crate::domain::release::{AnchorChange, Counted, NewRelease, Release, ReleaseChanges, ReleaseUse};
 
 /// A release to be published.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body(NewRelease)]
+#[derive(Default)]
 pub struct ReleaseBody {
     /// Free text for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
     /// The version that the map must have, if it matters: another one is a conflict.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1)]
     pub map_version: Option<u64>,
 }
 
 /// A release.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = Release)]
 #[schema(as = Release)]
 pub struct ReleaseView {
     /// Its name.
@@ -31,28 +28,35 @@ pub struct ReleaseView {
     /// Free text for people.
     pub description: String,
     /// The map's version that it holds.
+    #[from(of.version)]
     pub map_version: u64,
     /// When it was published.
     pub published: Time,
     /// Number of its keyframes.
+    #[from(of.figures.keyframes)]
     pub keyframes: u64,
     /// Number of its anchors, merged ones counted once.
+    #[from(of.figures.anchors)]
     pub anchors: u64,
     /// Number of its sessions.
+    #[from(of.figures.sessions)]
     pub sessions: u64,
     /// Number of its confirmed loops.
+    #[from(of.figures.loops)]
     pub loops: u64,
     /// Size of its facts on disk, in bytes: a release takes as much room as the map did.
+    #[from(of.figures.bytes)]
     pub bytes: u64,
     /// How often something was erased from it for good. Else nothing changes it.
     pub erasures: u64,
     /// The robots whose loop queries it answered, the latest first. Written behind: a crash may lose the last few.
     #[schema(max_items = 1000)]
+    #[from(of.uses)]
     pub asked_by: Vec<ReleaseUseView>,
 }
 
 /// A robot that asked a release.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = ReleaseUse)]
 #[schema(as = ReleaseUse)]
 pub struct ReleaseUseView {
     /// The session of the keyframes that it asked about.
@@ -64,7 +68,7 @@ pub struct ReleaseUseView {
 }
 
 /// The changes of a map from a release on. Each list has at most `limit` items; the numbers are of all.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = ReleaseChanges)]
 pub struct ReleaseChangesView {
     /// The version of the release.
@@ -94,7 +98,7 @@ pub struct ReleaseChangesView {
 }
 
 /// A keyframe that changed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = KeyframeChange)]
 pub struct KeyframeChangeView {
     /// The change.
@@ -102,7 +106,6 @@ pub struct KeyframeChangeView {
     /// The keyframe.
     pub keyframe: String,
     /// How far it moved, in metres; left out where it did not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moved_m: Option<f64>,
 }
 
@@ -120,7 +123,7 @@ pub enum KeyframeChangeName {
 }
 
 /// An anchor that changed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = AnchorChange)]
 pub struct AnchorChangeView {
     /// The change.
@@ -130,10 +133,8 @@ pub struct AnchorChangeView {
     /// Its class.
     pub class: String,
     /// Its description in the release; left out where it has none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before: Option<String>,
     /// Its description in the later version; left out where it has none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
 }
 
@@ -154,37 +155,9 @@ pub enum AnchorChangeName {
     Returned,
 }
 
-impl Decode for NewRelease {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["description", "map_version"])?;
-        let description = body.optional("description", |node| node.text(limits::TEXT_CHARS));
-        let version = body.optional("map_version", |node| node.whole(limits::MAP_VERSION));
-        Some(Self { description: description?.unwrap_or_default(), version: version?.map(i64::unsigned_abs) })
-    }
-}
-
-impl From<Release> for ReleaseView {
-    fn from(release: Release) -> Self {
-        let Release { name, description, version, published, figures, erasures, uses } = release;
-        Self {
-            name: name.to_string(),
-            description,
-            map_version: version,
-            published: published.into(),
-            keyframes: figures.keyframes,
-            anchors: figures.anchors,
-            sessions: figures.sessions,
-            loops: figures.loops,
-            bytes: figures.bytes,
-            erasures,
-            asked_by: uses.into_iter().map(ReleaseUseView::from).collect(),
-        }
-    }
-}
-
-impl From<ReleaseUse> for ReleaseUseView {
-    fn from(of: ReleaseUse) -> Self {
-        Self { session: of.session.to_string(), queries: of.queries, last: of.last.into() }
+impl From<ReleaseBody> for NewRelease {
+    fn from(ReleaseBody { description, map_version }: ReleaseBody) -> Self {
+        Self { description: description.unwrap_or_default(), version: map_version }
     }
 }
 

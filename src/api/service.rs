@@ -1,15 +1,13 @@
 //! Service: how the server is.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 /// The state of the server.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct Health {
     /// `alive`, `ready` or `degraded`; a server that is not ready answers a problem.
     pub status: String,
     /// One sentence for a person, if it is degraded: why.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
 }
 
@@ -26,7 +24,7 @@ impl Health {
 }
 
 /// The running program.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct Version {
     /// The program.
     pub name: String,
@@ -35,9 +33,9 @@ pub struct Version {
     /// The version of SQLite inside it.
     pub sqlite: String,
     /// The version of the PostgreSQL that keeps its facts; missing where SQLite does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub postgres: Option<String>,
     /// The vocabulary with which it computes bags of words; null while it has none.
     #[schema(required)]
+    #[null]
     pub vocabulary: Option<String>,
 }

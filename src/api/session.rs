@@ -1,14 +1,13 @@
 //! Session: one robot's run or a plan's frame, and its alignment to a plan (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::space::{Time, Transform, rounded};
 use crate::domain::report::{AlignmentReport, SessionReport};
 use crate::geometry::Pose;
 
 /// A session of a map.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Session)]
 pub struct SessionView {
     /// Its id.
@@ -16,30 +15,24 @@ pub struct SessionView {
     /// Number of its keyframes.
     pub keyframes: usize,
     /// The earliest stamp of its keyframes; left out without any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first: Option<Time>,
     /// The latest stamp of its keyframes; left out without any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last: Option<Time>,
     /// Number of prior anchors in its frame; left out unless it is the frame of a plan.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub priors: Option<usize>,
     /// The plan's frame that it is aligned to; left out, as are the next members, while it is not aligned.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
     /// Maps points of the session's frame into the plan's frame.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan_from_session: Option<Transform>,
     /// Number of signs of the plan that agree.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inliers: Option<usize>,
     /// Standard deviations of the alignment, where the signs were seen.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<AlignmentUncertainty>,
 }
 
 /// Standard deviations of an alignment. They follow from the number of signs and how far these are apart.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct AlignmentUncertainty {
     /// Of the place, in metres.
     pub translation_m: f64,

@@ -1,7 +1,6 @@
 //! Merge of sessions: the client's two maps became one (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::decoding::read::{self, Decode, Node};
 use super::limits;
@@ -12,7 +11,7 @@ use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::geometry::Sim3;
 
 /// The session that another one merges into, and how; all of it is taken over, or nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 pub struct MergeBody {
     /// The session that the keyframes are of from now on. One that is not there yet is begun.
@@ -21,27 +20,25 @@ pub struct MergeBody {
     /// Maps points of the session's frame into the frame of `into`.
     pub into_from_session: SimilarityShape,
     /// The numbers that its map points get; left out, they keep theirs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub map_points: Option<RenumberingShape>,
 }
 
 /// The numbers that the map points of a session get: by `offset` or by `ids`. A point whose new number is taken is that point,
 /// which keeps its position.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = Renumbering)]
 pub struct RenumberingShape {
     /// This is added to the number of each.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<i64>,
     /// `[old, new]` for each that gets another number, no old one twice; the others keep theirs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<FusedPoints>>, inline)]
     pub ids: Option<Vec<Vec<i64>>>,
 }
 
 /// Two sessions are one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct SessionsMergedAnswer {
     /// The map's version after it.
     pub map_version: u64,
@@ -54,7 +51,8 @@ pub struct SessionsMergedAnswer {
 }
 
 /// The sessions are two again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct MergeRevokedAnswer {
     /// The map's version after it.
     pub map_version: u64,

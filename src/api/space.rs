@@ -1,7 +1,6 @@
 //! Space and time: vectors, quaternions, transforms and stamps, written as ROS messages write them.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::{answer, body};
 
 use super::decoding::read::{Decode, Node, Object};
 use super::limits;
@@ -9,7 +8,8 @@ use crate::domain::keyframe::Stamp;
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// A vector, in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 #[serde(deny_unknown_fields)]
 pub struct Vector3 {
     /// Along x, in metres.
@@ -24,7 +24,8 @@ pub struct Vector3 {
 }
 
 /// A rotation as a unit quaternion, without unit; a norm more than 1 % off one is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 #[serde(deny_unknown_fields)]
 pub struct Quaternion {
     /// Imaginary part, i.
@@ -42,7 +43,8 @@ pub struct Quaternion {
 }
 
 /// A rigid transformation, as ROS `geometry_msgs/Transform`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 #[serde(deny_unknown_fields)]
 pub struct Transform {
     /// In metres.
@@ -52,8 +54,8 @@ pub struct Transform {
 }
 
 /// A moment on the robot's clock, as ROS `builtin_interfaces/Time`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body(Stamp)]
+#[derive(Copy)]
 pub struct Time {
     /// Whole seconds.
     #[schema(minimum = -62_135_596_800_i64, maximum = 253_402_300_799_i64)]
@@ -93,12 +95,9 @@ pub(super) fn rigid(transform: &Object<'_>) -> Option<Pose> {
     Pose::new(translation?, rotation?)
 }
 
-impl Decode for Stamp {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let time = node.object(&["sec", "nanosec"])?;
-        let sec = time.required("sec", |node| node.whole(limits::SEC));
-        let nanosec = time.required("nanosec", |node| node.count(limits::NANOSEC));
-        Some(Self { sec: sec?, nanosec: nanosec? })
+impl From<Time> for Stamp {
+    fn from(Time { sec, nanosec }: Time) -> Self {
+        Self { sec, nanosec }
     }
 }
 
@@ -143,7 +142,8 @@ pub fn rounded(number: f64) -> f64 {
 }
 
 /// A similarity transformation: scaled, rotated, then moved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 #[serde(deny_unknown_fields)]
 #[schema(as = SentSimilarity)]
 pub struct SimilarityShape {
@@ -152,7 +152,6 @@ pub struct SimilarityShape {
     /// A unit quaternion.
     pub rotation: Quaternion,
     /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
     pub scale: Option<f64>,
 }

@@ -1,12 +1,12 @@
 //! Usage: what language models were asked and what it cost.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use crate::domain::report::{UsageLine, UsageReport};
 
 /// Calls of language models since the database was made, by operation and model.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 pub struct Usage {
     /// Calls.
     pub calls: u64,
@@ -23,24 +23,20 @@ pub struct Usage {
     /// One sentence for a person.
     pub detail: String,
     /// Calls since midnight UTC; with models only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calls_today: Option<u64>,
     /// Cost since midnight UTC, in US dollars; with models only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost_usd_today: Option<f64>,
     /// The most calls of a day; left out without such a limit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daily_calls: Option<u64>,
     /// The most that a day may cost, in US dollars; left out without such a limit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daily_usd: Option<f64>,
     /// Whether a model is away, or the day's budget spent. With models only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub away: Option<bool>,
 }
 
 /// Calls of one model for one operation.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = UsageLine)]
+#[derive(Default)]
 pub struct UsageItem {
     /// `similarity`, `information`, `merge`, `describe` or `embed`.
     pub operation: String,
@@ -53,6 +49,7 @@ pub struct UsageItem {
     /// Tokens received.
     pub output_tokens: u64,
     /// Cost in US dollars.
+    #[from(usd(of.microusd))]
     pub cost_usd: f64,
     /// Questions answered from the cache.
     pub cache_hits: u64,
@@ -84,20 +81,6 @@ impl From<UsageReport> for Usage {
             daily_usd: report.daily_microusd.map(usd),
             away: Some(report.away),
             items: report.lines.into_iter().map(UsageItem::from).collect(),
-        }
-    }
-}
-
-impl From<UsageLine> for UsageItem {
-    fn from(line: UsageLine) -> Self {
-        Self {
-            operation: line.operation,
-            model: line.model,
-            calls: line.calls,
-            input_tokens: line.input_tokens,
-            output_tokens: line.output_tokens,
-            cost_usd: usd(line.microusd),
-            cache_hits: line.cache_hits,
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Verdict: the answer to a loop query, each candidate with its figures and the check that stopped it (`openapi/openapi.yaml`).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use super::geometry::GeometryView;
 use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
@@ -17,12 +16,11 @@ use crate::domain::verdict::{
 };
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct LoopAnswer {
     /// The query's id, derived from what was asked, so that it repeats too.
     pub id: String,
     /// The keyframe that was asked about; left out for an inline one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe: Option<String>,
     /// The map's version that was asked.
     pub map_version: u64,
@@ -32,10 +30,10 @@ pub struct LoopAnswer {
     #[serde(default)]
     pub why: String,
     /// The confidence in the best place, 0 to 1; left out under `"method": "paper"`, and where no candidate was weighed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// The keyframe to close the loop with; null unless the verdict is `loop`.
     #[schema(required)]
+    #[null]
     pub best: Option<String>,
     /// Every keyframe that passed, best first.
     pub loops: Vec<String>,
@@ -51,7 +49,6 @@ pub struct LoopAnswer {
     #[schema(max_items = 100)]
     pub closed: Vec<ClosedView>,
     /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
     /// The signs that would tell where it is undecided, the nearest to the best candidate first. Left out where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -63,7 +60,7 @@ pub struct LoopAnswer {
 }
 
 /// A sign that would tell whether the query was taken at a candidate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = SignToLookFor)]
 pub struct SignView {
     /// The candidate near which it hangs.
@@ -78,17 +75,18 @@ pub struct SignView {
 }
 
 /// A confirmed loop of the keyframe that was asked about.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer(of = &ClosedLoop)]
 #[schema(as = ConfirmedLoop)]
 pub struct ClosedView {
     /// The loop.
+    #[from(&of.id)]
     pub r#loop: String,
     /// The keyframe at its other end.
     pub keyframe: String,
 }
 
 /// A keyframe that was compared with the query.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Candidate)]
 pub struct CandidateView {
     /// The candidate.
@@ -96,51 +94,48 @@ pub struct CandidateView {
     /// The outcome of its checks.
     pub verdict: CandidateVerdictName,
     /// The channels that proposed it, where the query has a global descriptor; else left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 3)]
     pub channel: Option<Vec<ChannelName>>,
     /// Global descriptors, where both keyframes have one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub global: Option<GlobalFigures>,
     /// Bag of words; left out where `channel` is `global` alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bow: Option<BowFigures>,
     /// Local anchor maps, if it came so far.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub anchors: Option<AnchorFigures>,
     /// Geometry.
     pub geometry: GeometryView,
     /// The confidence that the query was taken there, 0 to 1; left out under `"method": "paper"`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// The terms of the sum of evidence; left out where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<EvidenceView>,
     /// The check that stopped it; left out for a loop.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
 }
 
 /// Figures of the comparison of the two global descriptors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 pub struct GlobalFigures {
     /// The cosine of the two vectors, 0 where it is negative; bits count as 1 and -1.
     pub similarity: f64,
 }
 
 /// Figures of the bag-of-words check.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = BowEvidence)]
 pub struct BowFigures {
     /// DBoW2's L1 score, 0 to 1.
+    #[rounded]
     pub score: f64,
     /// Number of words that the two keyframes share.
     pub common_words: u32,
     /// The lowest score of the query against its covisible keyframes, 0 without any.
+    #[rounded]
     pub reference_score: f64,
 }
 
 /// Figures of the comparison of the two local anchor maps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct AnchorFigures {
     /// S of Eq. (2).
     pub similarity: f64,
@@ -153,14 +148,13 @@ pub struct AnchorFigures {
     /// Anchors of both maps that nothing has described yet.
     pub pending: usize,
     /// The pairs that match; left out with `?detail=brief`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matches: Option<Vec<MatchView>>,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionView>,
 }
 
 /// A pair of anchors that match.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = &MatchEvidence)]
 #[schema(as = Match)]
 pub struct MatchView {
     /// The anchor of the query's local map; `inline-0` is the first detection of an inline keyframe.
@@ -175,15 +169,18 @@ pub struct MatchView {
     /// The judge.
     pub source: String,
     /// Angle between the two bearings, in radians.
+    #[rounded]
     pub angle_difference_rad: f64,
     /// Difference of the two distances, in metres.
+    #[rounded]
     pub distance_difference_m: f64,
     /// The pair's two weights together, as Eq. (2) adds them, in 1/m.
+    #[rounded]
     pub weight: f64,
 }
 
 /// A pair of anchors whose sure identifiers exclude each other at the same relative place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = &ContradictionEvidence)]
 #[schema(as = Contradiction)]
 pub struct ContradictionView {
     /// The anchor of the query's local map.
@@ -193,20 +190,21 @@ pub struct ContradictionView {
     /// One sentence for a person.
     pub reason: String,
     /// The pair's two weights together, in 1/m.
+    #[rounded]
     pub weight: f64,
 }
 
 /// The check that decided, with what it measured and what it asked for.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = &Reason)]
 #[schema(as = Reason)]
 pub struct ReasonView {
     /// The check, as a word for programs.
     pub code: ReasonCodeName,
     /// The measured value, in the check's own unit.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[rounded]
     pub measured: Option<f64>,
     /// The value that it was compared with.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[rounded]
     pub limit: Option<f64>,
     /// One sentence for a person.
     pub detail: String,
@@ -259,12 +257,6 @@ impl SignView {
     }
 }
 
-impl From<&ClosedLoop> for ClosedView {
-    fn from(closed: &ClosedLoop) -> Self {
-        Self { r#loop: closed.id.to_string(), keyframe: closed.keyframe.to_string() }
-    }
-}
-
 impl CandidateView {
     /// Returns a candidate with its figures.
     pub fn of(candidate: &Candidate, detail: Detail) -> Self {
@@ -286,16 +278,6 @@ impl CandidateView {
     }
 }
 
-impl From<BowEvidence> for BowFigures {
-    fn from(bow: BowEvidence) -> Self {
-        Self {
-            score: rounded(bow.score),
-            common_words: bow.common_words,
-            reference_score: rounded(bow.reference_score),
-        }
-    }
-}
-
 impl AnchorFigures {
     fn of(anchors: &AnchorEvidence, detail: Detail) -> Self {
         let matches = || anchors.matches.iter().map(MatchView::from).collect();
@@ -307,43 +289,6 @@ impl AnchorFigures {
             pending: anchors.pending,
             matches: (detail == Detail::Full).then(matches),
             contradictions: anchors.contradictions.iter().map(ContradictionView::from).collect(),
-        }
-    }
-}
-
-impl From<&MatchEvidence> for MatchView {
-    fn from(pair: &MatchEvidence) -> Self {
-        Self {
-            query_anchor: pair.query_anchor.to_text(),
-            candidate_anchor: pair.candidate_anchor.to_text(),
-            kind: pair.kind.into(),
-            level: pair.level,
-            source: pair.source.clone(),
-            angle_difference_rad: rounded(pair.angle_difference_rad),
-            distance_difference_m: rounded(pair.distance_difference_m),
-            weight: rounded(pair.weight),
-        }
-    }
-}
-
-impl From<&ContradictionEvidence> for ContradictionView {
-    fn from(pair: &ContradictionEvidence) -> Self {
-        Self {
-            query_anchor: pair.query_anchor.to_text(),
-            candidate_anchor: pair.candidate_anchor.to_text(),
-            reason: pair.reason.clone(),
-            weight: rounded(pair.weight),
-        }
-    }
-}
-
-impl From<&Reason> for ReasonView {
-    fn from(reason: &Reason) -> Self {
-        Self {
-            code: reason.code.into(),
-            measured: reason.measured.map(rounded),
-            limit: reason.limit.map(rounded),
-            detail: reason.detail.clone(),
         }
     }
 }

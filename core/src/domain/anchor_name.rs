@@ -1,5 +1,7 @@
 //! The name of an anchor in a verdict.
 
+use std::fmt;
+
 /// The local anchor map whose anchors an entry names.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AnchorName {
@@ -9,12 +11,12 @@ pub enum AnchorName {
     Inline(usize),
 }
 
-impl AnchorName {
-    /// Returns the name as the API writes it: `a-7`, or `inline-0`.
-    pub fn to_text(&self) -> String {
+/// The name as the API writes it: `a-7`, or `inline-0`.
+impl fmt::Display for AnchorName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stored(id) => id.clone(),
-            Self::Inline(index) => format!("inline-{index}"),
+            Self::Stored(id) => f.write_str(id),
+            Self::Inline(index) => write!(f, "inline-{index}"),
         }
     }
 }

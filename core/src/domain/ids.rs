@@ -210,10 +210,17 @@ dense_id!(
 /// A map point's number, as its session counts them.
 pub type PointId = i64;
 
+/// The anchor's public id, `a-7`.
+impl fmt::Display for AnchorSeq {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a-{}", self.0)
+    }
+}
+
 impl AnchorSeq {
-    /// Returns the anchor's public id, `a-7`.
+    /// Returns the anchor's public id.
     pub fn public(self) -> String {
-        format!("a-{}", self.0)
+        self.to_string()
     }
 
     /// Returns the anchor that a public id names, if it has that form.

@@ -21,6 +21,20 @@ pub trait Decode: Sized {
     fn decode(node: &Node<'_>) -> Option<Self>;
 }
 
+/// An object whose members are read one by one: a shape of [`revisit_shapes`].
+pub trait Members: Sized {
+    /// Returns their names.
+    fn names() -> Vec<&'static str>;
+
+    /// Reads them; `None` if faults were noted.
+    fn read(object: &Object<'_>) -> Option<Self>;
+}
+
+/// Reads an object with these members and no others.
+pub fn members<T: Members>(node: &Node<'_>) -> Option<T> {
+    T::read(&node.object(&T::names())?)
+}
+
 /// Reads a document, or tells every fault in it.
 pub fn decode<T: Decode>(document: &Document<'_>) -> Result<T, Vec<FieldError>> {
     decode_with(document.root(), T::decode)
@@ -126,6 +140,19 @@ impl<'a> Node<'a> {
         Some(list)
     }
 
+    /// Returns a list of at least and at most so many items.
+    pub fn some_of<T>(
+        &self,
+        range: RangeInclusive<usize>,
+        read: impl FnMut(&Node<'_>) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let list = self.list(*range.end(), read)?;
+        if list.len() < *range.start() {
+            return self.refuse("the list is empty", format!("{} to {} items", range.start(), range.end()));
+        }
+        Some(list)
+    }
+
     /// Reads exactly `N` numbers within bounds.
     pub fn numbers<const N: usize>(&self, range: RangeInclusive<f64>) -> Option<[f64; N]> {
         if self.value.kind() == Kind::List && self.value.len() != N {
@@ -172,6 +199,11 @@ impl<'a> Node<'a> {
 /// Reads `true` or `false`.
 pub fn switch(node: &Node<'_>) -> Option<bool> {
     node.value.as_bool().or_else(|| node.expected("true or false"))
+}
+
+/// Reads `true` or `false` where it is written as a text.
+pub fn written_switch(node: &Node<'_>) -> Option<bool> {
+    node.choice(&["true", "false"], |text| text.parse().ok())
 }
 
 /// Reads an id as clients choose them.

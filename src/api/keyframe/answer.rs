@@ -1,5 +1,6 @@
 //! Keyframes as the service answers them.
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -13,7 +14,7 @@ use crate::api::space::{Time, Transform};
 use crate::api::verdict::LoopAnswer;
 use crate::domain::anchor::{AnchorState, Outcome};
 use crate::domain::bow::BowVector;
-use crate::domain::ids::{AnchorSeq, KeyframeId, PointId};
+use crate::domain::ids::{KeyframeId, PointId};
 use crate::domain::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::geometry::Point3;
@@ -24,7 +25,7 @@ const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the r
     covisibility_max_way_m";
 
 /// A keyframe is stored.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct KeyframeAnswer {
     /// Its id.
     pub keyframe: String,
@@ -33,29 +34,25 @@ pub struct KeyframeAnswer {
     /// How many keyframes are covisible with it.
     pub covisible: usize,
     /// The consequence of it, where nothing joins it with the others of its session; else left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notice: Option<String>,
     /// What became of its detections, in their order.
     pub detections: Vec<OutcomeView>,
     /// The answer to the loop query, if the request asked it.
-    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "loop")]
     pub loop_answer: Option<LoopAnswer>,
 }
 
 /// What became of a detection.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = DetectionOutcome)]
 pub struct OutcomeView {
     /// The anchor that it feeds.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub anchor: Option<String>,
     /// What became of it.
     pub outcome: OutcomeName,
     /// Why it was ignored.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
 }
 
@@ -70,7 +67,7 @@ pub enum OutcomeName {
 }
 
 /// A keyframe as it stands now: what was sent, as last corrected, and what became of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct KeyframeView {
     /// Its id.
     pub id: String,
@@ -83,19 +80,15 @@ pub struct KeyframeView {
     /// `map_from_camera` in the session's frame, in metres, as last corrected.
     pub pose: Transform,
     /// The camera.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
     /// The unit vector of gravity in the camera frame, as sent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Direction>, inline)]
     pub gravity: Option<[f64; 3]>,
     /// The bag of words, words ascending, weights summing to one.
     pub bow: BowShape,
     /// The vector of the whole image.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub global_descriptor: Option<GlobalDescriptorShape>,
     /// The features.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub features: Option<FeaturesShape>,
     /// The map points it brought, at their present positions.
     pub map_points: PointsShape,
@@ -110,7 +103,7 @@ pub struct KeyframeView {
 }
 
 /// A detection as stored; its crop is read through its anchor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct DetectionView {
     /// The object's class.
     pub class: String,
@@ -122,35 +115,28 @@ pub struct DetectionView {
     /// The map points that the box covers, ascending.
     pub map_points: Vec<i64>,
     /// Where the object stands in the session's frame, in metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
     /// `assumed` if nothing measured the distance of `position`; else left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(inline)]
     pub range: Option<RangeName>,
     /// What a reader made of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
     /// What a model or a person made of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// Whether a crop came with it.
     pub has_crop: bool,
     /// The anchor that it feeds.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub anchor: Option<String>,
     /// What became of it.
     pub outcome: OutcomeName,
     /// Why it was ignored.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
 }
 
 /// A line of the list of keyframes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = KeyframeSummary)]
 pub struct KeyframeLine {
     /// Its id.
     pub id: String,
@@ -159,6 +145,7 @@ pub struct KeyframeLine {
     /// When it was taken.
     pub stamp: Time,
     /// `map_from_camera` in the session's frame, in metres, as last corrected.
+    #[from(of.map_from_camera)]
     pub pose: Transform,
     /// How many keyframes are covisible with it.
     pub covisible: usize,
@@ -167,7 +154,7 @@ pub struct KeyframeLine {
 }
 
 /// A keyframe that is covisible with another.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 pub struct CovisibleView {
     /// The other keyframe.
     pub keyframe: String,
@@ -247,19 +234,6 @@ impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
             outcome,
             reason,
             state,
-        }
-    }
-}
-
-impl From<KeyframeSummary> for KeyframeLine {
-    fn from(summary: KeyframeSummary) -> Self {
-        Self {
-            id: summary.id.to_string(),
-            session: summary.session.to_string(),
-            stamp: summary.stamp.into(),
-            pose: summary.map_from_camera.into(),
-            covisible: summary.covisible,
-            anchors: summary.anchors.into_iter().map(AnchorSeq::public).collect(),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The vector of a whole image, as clients send it and as it is answered.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use crate::api::decoding::base64;
 use crate::api::decoding::read::{self, Node};
@@ -11,7 +10,7 @@ use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 
 /// One vector of a whole image, by a model that the client ran. The first one of a map decides: all of them have one model, one
 /// encoding and one size.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = GlobalDescriptor)]
 pub struct GlobalDescriptorShape {

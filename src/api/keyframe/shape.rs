@@ -1,5 +1,6 @@
 //! The shape in which a client sends a keyframe (`openapi/openapi.yaml`).
 
+use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -11,12 +12,11 @@ use super::sent_shape::{SentBow, SentFeatures, SentPoints};
 use crate::api::space::{Time, Transform};
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = Keyframe)]
 pub struct KeyframeBody {
     /// One robot's run: its own frame and its own numbering of map points.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(
         default = "default",
         min_length = 1,
@@ -29,48 +29,39 @@ pub struct KeyframeBody {
     /// `map_from_camera` in the session's frame, in metres; the camera looks along z, x is right and y down.
     pub pose: Transform,
     /// The undistorted pinhole camera.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
     /// The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera held upright.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Direction>, inline)]
     pub gravity: Option<[f64; 3]>,
     /// The bag of words; left out or empty for a blank wall.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentBow>)]
     pub bow: Option<BowShape>,
     /// The vector of the whole image, by a model that the client ran.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub global_descriptor: Option<GlobalDescriptorShape>,
     /// Binary features.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentFeatures>)]
     pub features: Option<FeaturesShape>,
     /// Map points new or moved; the order does not matter, and answers list them by number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentPoints>)]
     pub map_points: Option<PointsShape>,
     /// Map points observed, besides those of `features.map_points`; the order does not matter.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
     /// The same, packed: base64 of little-endian 64-bit signed numbers.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1_066_668)]
     pub observes_i64: Option<String>,
     /// Covisible keyframes known to the client, also across sessions; each must exist. An empty list says that there are none.
     /// Left out, and without map points: the keyframes near along the drive count as covisible (`covisibility_max_way_m`).
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]
     pub covisible: Option<Vec<CovisibleShape>>,
     /// The objects detected in it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 500)]
     pub detections: Option<Vec<DetectionShape>>,
 }
 
 /// A pinhole camera; keypoints and boxes are undistorted too.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Copy)]
 #[serde(deny_unknown_fields)]
 #[schema(as = Camera)]
 pub struct CameraShape {
@@ -95,7 +86,7 @@ pub struct CameraShape {
 }
 
 /// A bag of words: two lists in parallel, in any order.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = BagOfWords)]
 pub struct BowShape {
@@ -107,12 +98,11 @@ pub struct BowShape {
     pub weights: Vec<f64>,
     /// Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into one map.
     #[schema(max_length = 128)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub vocabulary: Option<String>,
 }
 
 /// Binary features: three lists in parallel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = Features)]
 pub struct FeaturesShape {
@@ -126,13 +116,13 @@ pub struct FeaturesShape {
     #[schema(max_items = 20000, value_type = Vec<KeypointNumbers>, inline)]
     pub keypoints: Vec<Vec<f64>>,
     /// The map point that each feature observes, -1 for none; left out if none does.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 20000, value_type = Option<Vec<PointNumberOrNone>>, inline)]
     pub map_points: Option<Vec<i64>>,
 }
 
 /// Positions of map points: two lists in parallel.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 #[schema(as = MapPoints)]
 pub struct PointsShape {
@@ -145,7 +135,7 @@ pub struct PointsShape {
 }
 
 /// A covisible keyframe as a client declares it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = CovisibleKeyframe)]
 pub struct CovisibleShape {
@@ -172,7 +162,7 @@ pub enum RangeName {
 }
 
 /// An object detected in a keyframe.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[serde(deny_unknown_fields)]
 #[schema(as = Detection)]
 pub struct DetectionShape {
@@ -187,28 +177,22 @@ pub struct DetectionShape {
     #[schema(value_type = Vec<Pixels>, inline, min_items = 4, max_items = 4)]
     pub box_px: [f64; 4],
     /// The map points that the box covers: the object's place.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub map_points: Option<Vec<i64>>,
     /// Where the object stands in the session's frame, in metres; serves where it has no map points.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Position>, inline)]
     pub position: Option<[f64; 3]>,
     /// `assumed` if nothing measured the distance of `position`, say where it rests on the height that letters have as a rule:
     /// then only its bearing counts. Left out, it was measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(inline)]
     pub range: Option<RangeName>,
     /// What a reader made of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub text: Option<String>,
     /// What a model or a person made of it; wins over `text`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
     /// The image inside the box, PNG or JPEG of at most 4 MiB, in base64.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 5_592_408)]
     pub crop: Option<String>,
 }

@@ -1,7 +1,6 @@
 //! The answer: places with their evidence.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::answer;
 
 use crate::api::geometry::GeometryView;
 use crate::api::names::{AssumptionName, ChannelName, LocationVerdictName, PoseSourceName};
@@ -14,7 +13,7 @@ use crate::domain::look_for::LookFor;
 use crate::domain::request::Detail;
 
 /// The answer to "where am I?". The same versions of the maps, the same question and seed give the same bytes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = LocateAnswer)]
 pub struct LocateAnswerView {
     /// The answer.
@@ -32,7 +31,6 @@ pub struct LocateAnswerView {
     #[schema(max_items = 8)]
     pub look_for: Vec<LookForView>,
     /// Why there is no place, or why the first one is not certain.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
     /// The maps that were asked, by name.
     #[schema(max_items = 64)]
@@ -40,17 +38,15 @@ pub struct LocateAnswerView {
 }
 
 /// A place at which the camera may be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = Place)]
 pub struct PlaceView {
     /// The map.
     pub map: String,
     /// The map's keyframe that stands for the place; left out where only a plan's anchors say it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe: Option<String>,
     /// The number of the asked keyframe, from 0, that was taken near `keyframe`; left out where one keyframe asks. The pose is
     /// the first one's all the same.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 15)]
     pub asked: Option<u32>,
     /// The session in whose frame `map_from_camera` is.
@@ -64,19 +60,14 @@ pub struct PlaceView {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<EvidenceView>,
     /// The camera's pose in the session's frame, in metres; left out where the evidence gives none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub map_from_camera: Option<Transform>,
     /// The same in the frame of the plan to which the session is aligned.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan_from_camera: Option<Transform>,
     /// The plan's frame.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<String>,
     /// The standard deviation of that pose.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyView>,
     /// The source of that pose.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_source: Option<PoseSourceName>,
     /// The assumptions that it rests on; left out where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -87,28 +78,22 @@ pub struct PlaceView {
     /// Number of keyframes of this place that geometry verified.
     pub verified_views: u32,
     /// The channels that proposed the keyframe, where the question has a global descriptor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 3)]
     pub channel: Option<Vec<ChannelName>>,
     /// Global descriptors.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub global: Option<GlobalFigures>,
     /// Bag of words.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<BowFigures>,
     /// Local anchor maps.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub anchors: Option<AnchorFigures>,
     /// Geometry.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<GeometryView>,
     /// The check that stopped the keyframe as a loop candidate, if one did.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
 }
 
 /// The signs that speak for a place and against it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = PlaceSigns)]
 pub struct PlaceSignsView {
     /// The identifiers that agree and hang in one place only, as read.
@@ -118,17 +103,20 @@ pub struct PlaceSignsView {
 }
 
 /// The standard deviation of a pose.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer(of = Uncertainty)]
+#[derive(Copy)]
 #[schema(as = Uncertainty)]
 pub struct UncertaintyView {
     /// Of the position, in metres.
+    #[rounded]
     pub translation_m: f64,
     /// Of the rotation, in radians.
+    #[rounded]
     pub rotation_rad: f64,
 }
 
 /// A sign that would tell one of several places from the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = LookFor)]
 pub struct LookForView {
     /// Its class.
@@ -145,7 +133,7 @@ pub struct LookForView {
 }
 
 /// A map that was asked.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[answer]
 #[schema(as = AskedMap)]
 pub struct AskedMapView {
     /// The map.
@@ -218,15 +206,6 @@ impl PlaceView {
             anchors,
             geometry,
             reason,
-        }
-    }
-}
-
-impl From<Uncertainty> for UncertaintyView {
-    fn from(uncertainty: Uncertainty) -> Self {
-        Self {
-            translation_m: rounded(uncertainty.translation_m),
-            rotation_rad: rounded(uncertainty.rotation_rad),
         }
     }
 }

@@ -1,9 +1,6 @@
 //! The question: keyframes of an unknown place, and the maps they are held against.
 
-use std::collections::BTreeSet;
-
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use revisit_shapes::{answer, body};
 
 use crate::api::decoding::read::{self, Decode, Node};
 use crate::api::keyframe::{
@@ -18,132 +15,110 @@ use crate::domain::location::{ASKED_KEYFRAMES_MAX, LocateRequest, LocationHint};
 use crate::geometry::Point3;
 
 /// "Where am I?" Exactly one of `keyframe` and `keyframes`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct LocateBody {
     /// What the camera sees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe: Option<UnplacedKeyframeBody>,
     /// What the camera sees in one moment or on one short drive. With a `pose` each, all in one frame, their signs are
     /// compared together. The answer's poses are those of the first one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 1, max_items = 16)]
     pub keyframes: Option<Vec<UnplacedKeyframeBody>>,
     /// The maps to ask, as ids in which `*` stands for any characters; at most 64 maps. Left out: every map that the key may
     /// query.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100)]
     pub maps: Option<Vec<String>>,
     /// The release of each map that is asked; maps without a release of this name are left out, and one that `maps` names must have
     /// it. Left out: the maps as they stand.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub release: Option<String>,
     /// A guess. It decides what is looked at first, and never what the answer is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<LocateHintBody>,
     /// Keyframes that are no candidates, say those of the robot's own drive.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exclude: Option<LocateExcludeBody>,
     /// Maximum number of places in the answer.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 5, minimum = 1, maximum = 20)]
     pub max: Option<u32>,
     /// The seed of what is drawn at random.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0)]
     pub seed: Option<i64>,
 }
 
 /// A keyframe of an unknown place. Nothing is required; what can be compared is compared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 #[schema(as = UnplacedKeyframe)]
 pub struct UnplacedKeyframeBody {
     /// Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may be asked about as it
     /// is, and not listened to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 128)]
     pub session: Option<String>,
     /// Not listened to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<crate::api::keyframe::PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
     /// Not listened to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1_066_668)]
     pub observes_i64: Option<String>,
     /// Not listened to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]
     pub covisible: Option<Vec<CovisibleShape>>,
     /// When it was taken.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stamp: Option<Time>,
     /// `map_from_camera` in a frame of the robot's own, in metres. Left out: positions are in the camera's frame, x right,
     /// y down, z forward.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pose: Option<Transform>,
     /// The undistorted pinhole camera.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
     /// The unit vector of gravity in the camera's frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::Direction>, inline)]
     pub gravity: Option<[f64; 3]>,
     /// The bag of words.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::SentBow>)]
     pub bow: Option<BowShape>,
     /// A global descriptor of the image.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub global_descriptor: Option<GlobalDescriptorShape>,
     /// Binary features.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::SentFeatures>)]
     pub features: Option<FeaturesShape>,
     /// Map points of the robot's own, in its own frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::SentPoints>)]
     pub map_points: Option<PointsShape>,
     /// The objects detected in it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 500)]
     pub detections: Option<Vec<DetectionShape>>,
 }
 
 /// A guess where the camera is.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body(checked LocationHint)]
+#[derive(Default)]
 #[schema(as = LocateHint)]
 pub struct LocateHintBody {
     /// The map, say that of the floor at which the lift stopped.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(min_length = 1, max_length = 128)]
-    pub map: Option<String>,
+    #[id]
+    pub map: Option<MapId>,
     /// `[x,y,z]` in the frame of any of its sessions, in metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(min_items = 3, max_items = 3)]
+    #[schema(min_items = 3, max_items = 3, minimum = -1e9, maximum = 1e9)]
     pub position: Option<[f64; 3]>,
     /// How far from that position the camera may be, in metres.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 10.0, minimum = 0.0, maximum = 1e9)]
     pub radius_m: Option<f64>,
 }
 
 /// Keyframes that are no candidates, in any map.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
+#[body]
+#[derive(Default)]
 #[schema(as = LocateExclude)]
 pub struct LocateExcludeBody {
     /// Keyframes, by id; those that a map does not have are ignored.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]
-    pub keyframes: Option<Vec<String>>,
+    #[id]
+    pub keyframes: Option<Vec<KeyframeId>>,
     /// Whole sessions, by name.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]
-    pub sessions: Option<Vec<String>>,
+    #[id]
+    pub sessions: Option<Vec<SessionId>>,
 }
 
 /// Radius of a hint that tells none, in metres.
@@ -165,8 +140,8 @@ impl Decode for LocateRequest {
         });
         let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
         let release = body.optional("release", read::id);
-        let hint = body.optional("hint", hint);
-        let exclude = body.optional("exclude", exclude);
+        let hint = body.optional("hint", LocationHint::decode);
+        let exclude = body.optional("exclude", LocateExcludeBody::decode);
         let max = body.optional("max", |node| node.whole(limits::LOCATE_PLACES));
         let seed = body.optional("seed", |node| node.whole(limits::SEED));
         if body.has("keyframe") == body.has("keyframes") {
@@ -176,14 +151,14 @@ impl Decode for LocateRequest {
             (Some(keyframe), _) => vec![keyframe],
             (None, several) => several?,
         };
-        let (without_keyframes, without_sessions) = exclude?.unwrap_or_default();
+        let exclude = exclude?.unwrap_or_default();
         Some(Self {
             keyframes,
             maps: maps?.unwrap_or_default(),
             release: release?,
             hint: hint?.unwrap_or_default(),
-            without_keyframes,
-            without_sessions,
+            without_keyframes: exclude.keyframes.into_iter().flatten().collect(),
+            without_sessions: exclude.sessions.into_iter().flatten().collect(),
             max: max?.unwrap_or(PLACES).unsigned_abs() as usize,
             seed: seed?.unwrap_or(0).unsigned_abs(),
         })
@@ -197,25 +172,15 @@ fn pattern(node: &Node<'_>) -> Option<MapPattern> {
     }
 }
 
-fn hint(node: &Node<'_>) -> Option<LocationHint> {
-    let body = node.object(&["map", "position", "radius_m"])?;
-    let map = body.optional("map", read::id::<MapId>);
-    let position = body.optional("position", |node| node.numbers::<3>(limits::COORDINATE_M));
-    let radius_m = body.optional("radius_m", |node| node.number(limits::LOCATE_RADIUS_M));
-    if body.has("radius_m") && !body.has("position") {
-        return node.refuse("a radius needs a position", "both \"position\" and \"radius_m\"");
+impl LocateHintBody {
+    fn checked(self, node: &Node<'_>) -> Option<LocationHint> {
+        if self.radius_m.is_some() && self.position.is_none() {
+            return node.refuse("a radius needs a position", "both \"position\" and \"radius_m\"");
+        }
+        Some(LocationHint {
+            map: self.map,
+            position: self.position.map(Point3::from),
+            radius_m: self.radius_m.unwrap_or(HINT_RADIUS_M),
+        })
     }
-    Some(LocationHint {
-        map: map?,
-        position: position?.map(Point3::from),
-        radius_m: radius_m?.unwrap_or(HINT_RADIUS_M),
-    })
-}
-
-fn exclude(node: &Node<'_>) -> Option<(BTreeSet<KeyframeId>, BTreeSet<SessionId>)> {
-    let body = node.object(&["keyframes", "sessions"])?;
-    let keyframes = body.optional("keyframes", |node| node.list(limits::COVISIBLE, read::id::<KeyframeId>));
-    let sessions = body.optional("sessions", |node| node.list(limits::COVISIBLE, read::id::<SessionId>));
-    let (keyframes, sessions) = (keyframes?.unwrap_or_default(), sessions?.unwrap_or_default());
-    Some((keyframes.into_iter().collect(), sessions.into_iter().collect()))
 }

@@ -2,18 +2,15 @@
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
+use revisit_shapes::params;
 use serde_json::Value;
-use utoipa::IntoParams;
 
 use crate::api::decoding::document::Document;
-use crate::api::decoding::read::{self, Decode, Node, Object};
-use crate::api::limits;
-use crate::domain::anchor::AnchorState;
-use crate::domain::ids::ReleaseName;
+use crate::api::decoding::read::{self, Decode, Members, Node};
+use crate::api::names::{AnchorStateName, DetailName, ReasonCodeName, VerdictName};
+use crate::domain::ids::{ReleaseName, SessionId};
 use crate::domain::invalid::FieldError;
-use crate::domain::reason::ReasonCode;
 use crate::domain::request::{AnchorFilter, Detail};
-use crate::domain::verdict::Decision;
 use crate::domain::verdict_line::VerdictFilter;
 use crate::http::problem::{Kind, Problem};
 
@@ -43,40 +40,37 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
+/// The parameters of a request whose query has those of both.
+impl<A: Members, B: Members> Decode for (A, B) {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let object = node.object(&[A::names(), B::names()].concat())?;
+        // The page comes first in the list of faults.
+        let (b, a) = (B::read(&object), A::read(&object));
+        Some((a?, b?))
+    }
+}
+
 /// The page of a list.
-#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
-#[into_params(parameter_in = Query)]
+#[params]
 pub struct Paging {
     /// Maximum number of items.
-    #[param(minimum = 1, maximum = 1000, default = 100, required = false)]
+    #[param(minimum = 1, maximum = 1000, default = 100)]
     pub limit: usize,
     /// Start of the page: `next_cursor` of the previous one.
-    #[param(max_length = 256)]
+    #[param(min_length = 1, max_length = 256)]
     pub cursor: Option<String>,
 }
 
 /// A filter of keyframes.
-#[derive(IntoParams)]
-#[into_params(parameter_in = Query)]
-#[expect(dead_code, reason = "documents what the reader reads")]
+#[params]
 pub struct KeyframeSearch {
     /// Only keyframes that may be deleted when a quota nears: others see 90 % of their map points and every anchor.
     #[param(default = false)]
-    redundant: Option<bool>,
-}
-
-/// A filter of keyframes, and a page of the result.
-pub struct KeyframePage {
-    /// Whether only redundant ones are asked for.
     pub redundant: bool,
-    /// The page.
-    pub page: Paging,
 }
 
 /// A filter of anchors.
-#[derive(IntoParams)]
-#[into_params(parameter_in = Query)]
-#[expect(dead_code, reason = "documents what the reader reads")]
+#[params]
 pub struct AnchorSearch {
     /// Only anchors of this class.
     #[param(min_length = 1, max_length = 64)]
@@ -86,60 +80,57 @@ pub struct AnchorSearch {
     text: Option<String>,
     /// Only anchors in this state.
     #[param(inline)]
-    state: Option<crate::api::names::AnchorStateName>,
+    state: Option<AnchorStateName>,
     /// Include anchors that were merged into another.
     #[param(default = false)]
-    merged: Option<bool>,
+    merged: bool,
     /// Only prior anchors, or only those that robots saw.
     prior: Option<bool>,
 }
 
-/// A filter of anchors, and a page of the result.
-pub struct AnchorPage {
-    /// The filter.
-    pub filter: AnchorFilter,
-    /// The page.
-    pub page: Paging,
+impl From<AnchorSearch> for AnchorFilter {
+    fn from(AnchorSearch { class, text, state, merged, prior }: AnchorSearch) -> Self {
+        Self { class, text, state: state.map(|state| state.0), merged, prior }
+    }
 }
 
 /// A filter of verdicts. What is left out admits all.
-#[derive(IntoParams)]
-#[into_params(parameter_in = Query)]
-#[expect(dead_code, reason = "documents what the reader reads")]
+#[params]
 pub struct VerdictSearch {
     /// Only this answer.
     #[param(inline)]
-    verdict: Option<crate::api::names::VerdictName>,
+    verdict: Option<VerdictName>,
     /// Only those that this check decided.
     #[param(inline)]
-    reason: Option<crate::api::names::ReasonCodeName>,
+    reason: Option<ReasonCodeName>,
     /// Only those about keyframes of this session.
-    #[param(min_length = 1, max_length = 128)]
-    session: Option<String>,
+    #[id]
+    session: Option<SessionId>,
     /// Only those asked from this time on, in whole seconds since 1970.
     #[param(minimum = 0)]
-    since: Option<u64>,
+    since: Option<i64>,
     /// Only those asked before this time, in whole seconds since 1970.
     #[param(minimum = 0)]
-    until: Option<u64>,
+    until: Option<i64>,
     /// Those that were asked of this release of the map, instead of the map itself.
-    #[param(min_length = 1, max_length = 64)]
-    release: Option<String>,
+    #[id]
+    pub release: Option<ReleaseName>,
 }
 
-/// A filter of verdicts, and a page of the result.
-pub struct VerdictPage {
-    /// The filter.
-    pub filter: VerdictFilter,
-    /// The release that was asked.
-    pub release: Option<ReleaseName>,
-    /// The page.
-    pub page: Paging,
+impl From<VerdictSearch> for VerdictFilter {
+    fn from(asked: VerdictSearch) -> Self {
+        Self {
+            decision: asked.verdict.map(|verdict| verdict.0),
+            reason: asked.reason.map(|reason| reason.0),
+            session: asked.session,
+            since_s: asked.since,
+            until_s: asked.until,
+        }
+    }
 }
 
 /// The start of an event stream.
-#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
-#[into_params(parameter_in = Query)]
+#[params]
 pub struct Since {
     /// The number of the last event seen; 0, the default, is before the first. `last-event-id` overrides it.
     #[param(minimum = 0)]
@@ -147,139 +138,44 @@ pub struct Since {
 }
 
 /// The optional query of a keyframe's PUT.
-#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
-#[into_params(parameter_in = Query)]
+#[params]
 pub struct KeyframeParams {
     /// `loop`: return the answer of a loop query in the same round trip.
     #[param(value_type = Option<String>, pattern = "^loop$")]
+    #[read(ask_loop)]
     pub query: Option<AskLoop>,
     /// How much of that answer is returned.
-    #[param(value_type = Option<crate::api::names::DetailName>, inline)]
-    pub detail: Detail,
+    #[param(inline)]
+    pub detail: Option<DetailName>,
 }
 
 /// How much of an answer is returned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
-#[into_params(parameter_in = Query)]
+#[params]
 pub struct DetailParams {
     /// How much of the answer is returned.
-    #[param(value_type = Option<crate::api::names::DetailName>, inline)]
-    pub detail: Detail,
+    #[param(inline)]
+    pub detail: Option<DetailName>,
+}
+
+impl DetailParams {
+    /// Returns how much is returned.
+    pub fn detail(&self) -> Detail {
+        self.detail.unwrap_or_default().0
+    }
 }
 
 /// The only query that a PUT supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskLoop;
 
+fn ask_loop(node: &Node<'_>) -> Option<AskLoop> {
+    node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop))
+}
+
 /// Whether the last administrator key may be revoked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
-#[into_params(parameter_in = Query)]
+#[params]
 pub struct LastAdmin {
     /// Revoke the key even if no administrator key is left; then only `revisit keys create` creates one.
-    #[param(default = false, required = false)]
+    #[param(default = false)]
     pub last_admin: bool,
-}
-
-impl Decode for LastAdmin {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["last_admin"])?;
-        let last_admin =
-            query.optional("last_admin", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        Some(Self { last_admin: last_admin?.unwrap_or(false) })
-    }
-}
-
-impl Decode for Paging {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        paging(&node.object(&["limit", "cursor"])?)
-    }
-}
-
-fn paging(query: &Object<'_>) -> Option<Paging> {
-    let limit = query.optional("limit", |node| node.digits(limits::PAGE));
-    let cursor = query.optional("cursor", |node| node.name(limits::CURSOR_CHARS));
-    Some(Paging { limit: limit?.map_or(limits::PAGE_DEFAULT, |limit| limit as usize), cursor: cursor? })
-}
-
-impl Decode for KeyframePage {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["redundant", "limit", "cursor"])?;
-        let page = paging(&query);
-        let redundant =
-            query.optional("redundant", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        Some(Self { redundant: redundant?.unwrap_or(false), page: page? })
-    }
-}
-
-impl Decode for AnchorPage {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["class", "text", "state", "merged", "prior", "limit", "cursor"])?;
-        let page = paging(&query);
-        let class = query.optional("class", |node| node.name(limits::CLASS_CHARS));
-        let text = query.optional("text", |node| node.text(limits::TEXT_CHARS));
-        let state = query.optional("state", |node| node.choice(AnchorState::NAMES, AnchorState::from_name));
-        let merged =
-            query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        let prior = query.optional("prior", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        let filter = AnchorFilter {
-            class: class?,
-            text: text?,
-            state: state?,
-            merged: merged?.unwrap_or(false),
-            prior: prior?,
-        };
-        Some(Self { filter, page: page? })
-    }
-}
-
-impl Decode for VerdictPage {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query =
-            node.object(&["verdict", "reason", "session", "since", "until", "release", "limit", "cursor"])?;
-        let page = paging(&query);
-        let decision = query.optional("verdict", |node| node.choice(Decision::NAMES, Decision::from_name));
-        let reason = query.optional("reason", |node| node.choice(ReasonCode::NAMES, ReasonCode::from_name));
-        let session = query.optional("session", read::id);
-        let since = query.optional("since", |node| node.digits(limits::SEED));
-        let until = query.optional("until", |node| node.digits(limits::SEED));
-        let release = query.optional("release", read::id);
-        let filter = VerdictFilter {
-            decision: decision?,
-            reason: reason?,
-            session: session?,
-            since_s: since?,
-            until_s: until?,
-        };
-        Some(Self { filter, release: release?, page: page? })
-    }
-}
-
-impl Decode for Since {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["since"])?;
-        let since = query.optional("since", |node| node.digits(limits::SEED));
-        Some(Self { since: since?.map(i64::unsigned_abs) })
-    }
-}
-
-impl Decode for KeyframeParams {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["query", "detail"])?;
-        let ask = query
-            .optional("query", |node| node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop)));
-        let detail = detail(&query);
-        Some(Self { query: ask?, detail: detail? })
-    }
-}
-
-impl Decode for DetailParams {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["detail"])?;
-        Some(Self { detail: detail(&query)? })
-    }
-}
-
-fn detail(query: &Object<'_>) -> Option<Detail> {
-    let detail = query.optional("detail", |node| node.choice(Detail::NAMES, Detail::from_name));
-    Some(detail?.unwrap_or_default())
 }

@@ -1,64 +1,41 @@
 //! The trajectory to export, and its format.
 
-use utoipa::IntoParams;
+use revisit_shapes::params;
 
-use crate::api::decoding::read::{self, Decode, Node};
+use crate::api::decoding::read::Node;
 use crate::api::trajectory::TrajectoryFormat;
 use crate::domain::ids::SessionId;
 
-/// The parameters of a trajectory.
-#[derive(IntoParams)]
-#[into_params(parameter_in = Query)]
-#[expect(dead_code, reason = "documents what the reader reads")]
-pub struct TrajectorySearch {
+/// The trajectory to export, and its format.
+#[params]
+pub struct TrajectoryQuery {
     /// `tum`, `kitti` or `g2o`.
-    #[param(pattern = "^(tum|kitti|g2o)$", example = "tum")]
-    format: String,
+    #[param(value_type = String, pattern = "^(tum|kitti|g2o)$", example = "tum")]
+    #[read(format)]
+    pub format: TrajectoryFormat,
     /// Only this session; required for `tum` and `kitti` if the map has several.
-    #[param(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$",
-        example = "robot-7"
-    )]
-    session: Option<String>,
+    #[id]
+    #[param(example = "robot-7")]
+    pub session: Option<SessionId>,
     /// `session`: each session in its own frame, which is the default. `fleet`: all sessions that loops and plans join, in the frame of
     /// one of them (`GET .../frames`); `tum` and `kitti` then take several sessions, each after a comment with its name; comments name those that nothing joins.
-    #[param(pattern = "^(session|fleet)$")]
-    frame: Option<String>,
+    #[param(value_type = Option<String>, pattern = "^(session|fleet)$")]
+    #[read(is_fleet)]
+    pub frame: Option<bool>,
     /// With `frame=fleet`, the session in whose frame all are.
-    #[param(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$")]
-    reference: Option<String>,
-}
-
-/// The trajectory to export, and its format.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TrajectoryQuery {
-    /// The format.
-    pub format: TrajectoryFormat,
-    /// The session, if given.
-    pub session: Option<SessionId>,
-    /// Whether the poses are to be in one frame.
-    pub in_fleet_frame: bool,
-    /// The session in whose frame they are to be, if given.
+    #[id]
     pub reference: Option<SessionId>,
 }
 
-impl Decode for TrajectoryQuery {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["format", "session", "frame", "reference"])?;
-        let format = query
-            .required("format", |node| node.choice(&TrajectoryFormat::NAMES, TrajectoryFormat::from_name));
-        let session = query.optional("session", read::id);
-        let frame = query.optional("frame", |node| {
-            node.choice(&["session", "fleet"], |name| match name {
-                "session" => Some(false),
-                "fleet" => Some(true),
-                _ => None,
-            })
-        });
-        let reference = query.optional("reference", read::id);
-        let in_fleet_frame = frame?.unwrap_or(false);
-        Some(Self { format: format?, session: session?, in_fleet_frame, reference: reference? })
-    }
+fn format(node: &Node<'_>) -> Option<TrajectoryFormat> {
+    node.choice(&TrajectoryFormat::NAMES, TrajectoryFormat::from_name)
+}
+
+/// Reads whether the poses are to be in one frame.
+fn is_fleet(node: &Node<'_>) -> Option<bool> {
+    node.choice(&["session", "fleet"], |name| match name {
+        "session" => Some(false),
+        "fleet" => Some(true),
+        _ => None,
+    })
 }

@@ -9,7 +9,7 @@ use crate::api::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
 use crate::api::examples;
 use crate::api::list::AnchorList;
 use crate::api::map::MapVersion;
-use crate::api::prior::{PriorBody, PriorFields};
+use crate::api::prior::PriorBody;
 use crate::api::transcript::TranscriptList;
 use crate::engine::Service;
 use crate::http::answer::written;
@@ -18,7 +18,7 @@ use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::if_match::{IfMatch, etag};
 use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams, PriorPath};
-use crate::http::extract::query::{AnchorPage, AnchorSearch, Paging, Query};
+use crate::http::extract::query::{AnchorSearch, Paging, Query};
 use crate::http::problem::Problem;
 
 /// Search anchors
@@ -31,9 +31,10 @@ use crate::http::problem::Problem;
 pub async fn list_anchors(
     Answering(service): Answering,
     MapPath(map): MapPath,
-    Query(AnchorPage { filter, page }): Query<AnchorPage>,
+    Query((filter, page)): Query<(AnchorSearch, Paging)>,
 ) -> Result<Json<AnchorList>, Problem> {
-    let (version, anchors) = service.list_anchors(&map, filter, page.cursor.as_deref(), page.limit).await?;
+    let (version, anchors) =
+        service.list_anchors(&map, filter.into(), page.cursor.as_deref(), page.limit).await?;
     Ok(Json(AnchorList::of(version, anchors)))
 }
 
@@ -73,7 +74,7 @@ pub async fn get_anchor(
 pub async fn put_prior_anchor(
     State(service): State<Service>,
     PriorPath { map, prior }: PriorPath,
-    Body(fields): Body<PriorFields>,
+    Body(fields): Body<PriorBody>,
 ) -> Result<Response, Problem> {
     let stored = service.put_prior(&map, fields.named(prior)).await?;
     Ok(written(stored.created, AnchorView::at(stored.map_version, stored.value)))

@@ -19,7 +19,7 @@ use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::KeyframeInPath;
 use crate::http::extract::path::{KeyframePath, KeyframePathParams, MapPath, MapPathParams};
-use crate::http::extract::query::{KeyframePage, KeyframeParams, KeyframeSearch, Paging, Query};
+use crate::http::extract::query::{KeyframeParams, KeyframeSearch, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
@@ -45,6 +45,7 @@ pub async fn put_keyframe(
     KeyframeInPath { place: KeyframePath { map, .. }, keyframe, digest }: KeyframeInPath,
 ) -> Result<Response, Problem> {
     let asked = also.query.is_some();
+    let detail = also.detail.unwrap_or_default().0;
     if asked {
         caller.needs(Action::Query)?;
     }
@@ -54,7 +55,7 @@ pub async fn put_keyframe(
         return Ok(written(stored.created, KeyframeAnswer::from(stored.value)));
     }
     let (stored, answer) = service.put_keyframe_and_query(&map, keyframe, digest).await?;
-    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, also.detail);
+    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, detail);
     Ok(written(stored.created, KeyframeAnswer { loop_answer: Some(view), ..stored.value.into() }))
 }
 
@@ -76,10 +77,10 @@ pub async fn put_keyframe(
 pub async fn list_keyframes(
     Answering(service): Answering,
     MapPath(map): MapPath,
-    Query(KeyframePage { redundant, page }): Query<KeyframePage>,
+    Query((search, page)): Query<(KeyframeSearch, Paging)>,
 ) -> Result<Json<KeyframeList>, Problem> {
     let cursor = page.cursor.as_deref();
-    let (version, keyframes) = if redundant {
+    let (version, keyframes) = if search.redundant {
         service.list_redundant(&map, cursor, page.limit).await?
     } else {
         service.list_keyframes(&map, cursor, page.limit).await?

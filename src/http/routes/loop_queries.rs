@@ -16,7 +16,7 @@ use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::QueryOfMap;
 use crate::http::extract::path::{MapPath, MapPathParams, QueryPath, QueryPathParams};
-use crate::http::extract::query::{DetailParams, Paging, Query, VerdictPage, VerdictSearch};
+use crate::http::extract::query::{DetailParams, Paging, Query, VerdictSearch};
 use crate::http::problem::Problem;
 
 /// The W3C header with a server's timings.
@@ -41,10 +41,11 @@ pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-tim
 )]
 pub async fn query_loop(
     Answering(service): Answering,
-    Query(DetailParams { detail }): Query<DetailParams>,
+    Query(asked): Query<DetailParams>,
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
     let answer = service.loop_query(&map, query).await?;
+    let detail = asked.detail();
     let body = match detail {
         Detail::Full => json_bytes(answer.body),
         Detail::Brief => Json(LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, detail))
@@ -66,10 +67,12 @@ pub async fn query_loop(
 pub async fn list_loop_queries(
     State(service): State<Service>,
     MapPath(map): MapPath,
-    Query(VerdictPage { filter, release, page }): Query<VerdictPage>,
+    Query((asked, page)): Query<(VerdictSearch, Paging)>,
 ) -> Result<Json<VerdictList>, Problem> {
-    let found =
-        service.list_verdicts(&map, release.as_ref(), &filter, page.cursor.as_deref(), page.limit).await?;
+    let release = asked.release.clone();
+    let found = service
+        .list_verdicts(&map, release.as_ref(), &asked.into(), page.cursor.as_deref(), page.limit)
+        .await?;
     Ok(Json(found.into()))
 }
 

@@ -55,7 +55,7 @@ pub async fn put_map(
     State(service): State<Service>,
     caller: Caller,
     MapPath(map): MapPath,
-    Query(DetailParams { detail }): Query<DetailParams>,
+    Query(asked): Query<DetailParams>,
     Body(new): Body<NewMap>,
 ) -> Result<Response, Problem> {
     if let Some(base) = &new.base {
@@ -66,7 +66,7 @@ pub async fn put_map(
         }
     }
     let stored = service.put_new_map(map, new, caller.0.key()).await?;
-    Ok(written(stored.created, MapView::of(stored.value, detail)))
+    Ok(written(stored.created, MapView::of(stored.value, asked.detail())))
 }
 
 /// Read a map
@@ -79,9 +79,9 @@ pub async fn put_map(
 pub async fn get_map(
     Answering(service): Answering,
     MapPath(map): MapPath,
-    Query(DetailParams { detail }): Query<DetailParams>,
+    Query(asked): Query<DetailParams>,
 ) -> Result<Json<MapView>, Problem> {
-    Ok(Json(MapView::of(service.get_map(&map).await?, detail)))
+    Ok(Json(MapView::of(service.get_map(&map).await?, asked.detail())))
 }
 
 /// Change a map
@@ -95,10 +95,10 @@ pub async fn get_map(
 pub async fn patch_map(
     State(service): State<Service>,
     MapPath(map): MapPath,
-    Query(DetailParams { detail }): Query<DetailParams>,
+    Query(asked): Query<DetailParams>,
     Body(patch): Body<MapPatch>,
 ) -> Result<Json<MapView>, Problem> {
-    Ok(Json(MapView::of(service.patch_map(&map, patch).await?, detail)))
+    Ok(Json(MapView::of(service.patch_map(&map, patch).await?, asked.detail())))
 }
 
 /// Delete a map

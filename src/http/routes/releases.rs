@@ -13,7 +13,7 @@ use crate::engine::Service;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
-use crate::http::extract::changes_query::{ChangesQuery, ChangesSearch};
+use crate::http::extract::changes_query::ChangesQuery;
 use crate::http::extract::path::{MapPath, MapPathParams, ReleasePath, ReleasePathParams};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
@@ -91,7 +91,7 @@ pub async fn delete_release(
 /// Keyframes, anchors and retired signs: what changed from `since` to `until`, or to the map as it stands. Tells whether robots need a
 /// newer release.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/changes", tag = "releases", params(MapPathParams, ChangesSearch), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/changes", tag = "releases", params(MapPathParams, ChangesQuery), security(("key" = ["read"])),
     responses((status = 200, description = "The changes", body = ReleaseChangesView, example = examples::release_changes), ReadErrors)
 )]
 pub async fn get_changes(

@@ -11,7 +11,7 @@ use crate::engine::Service;
 use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
-use crate::http::extract::frames_query::{FramesQuery, FramesSearch};
+use crate::http::extract::frames_query::FramesQuery;
 use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
@@ -87,7 +87,7 @@ pub async fn revoke_merge(
 /// revoked, and kept: the same version is the same to the byte. Loops without a transformation (the client sent none, and their query is
 /// not named, was not verified by geometry, or was no longer stored) are left out and counted. In a map that is not metric each session stands alone.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPathParams, FramesSearch), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPathParams, FramesQuery), security(("key" = ["read"])),
     responses((status = 200, description = "The frames", body = FramesView, example = examples::frames), ReadErrors)
 )]
 pub async fn get_frames(

@@ -12,7 +12,7 @@ use crate::http::error_responses::ReadErrors;
 use crate::http::extract::answering::Answering;
 use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::extract::query::Query;
-use crate::http::extract::trajectory_query::{TrajectoryQuery, TrajectorySearch};
+use crate::http::extract::trajectory_query::TrajectoryQuery;
 use crate::http::problem::Problem;
 
 /// Read a trajectory
@@ -24,7 +24,7 @@ use crate::http::problem::Problem;
 /// whose query is no longer stored, or has no full transformation, is a comment. Information is in metres and radians,
 /// as gtsam and Ceres read it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPathParams, TrajectorySearch), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPathParams, TrajectoryQuery), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The trajectory", body = String, content_type = "text/plain",
             example = "# timestamp tx ty tz qx qy qz qw\n1.000000000 0 0 0 0 0 0 1\n"),
@@ -36,7 +36,7 @@ pub async fn get_trajectory(
     MapPath(map): MapPath,
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {
-    let report = if asked.in_fleet_frame {
+    let report = if asked.frame.unwrap_or(false) {
         service.trajectory_of_fleet(&map, asked.session, asked.reference).await?
     } else {
         service.trajectory(&map, asked.session).await?

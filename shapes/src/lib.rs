@@ -1,0 +1,196 @@
+//! One declaration for a JSON shape.
+//!
+//! A struct with one of these attributes is a schema of the API document, an encoder and, where clients send it, a decoder that tells
+//! every fault with its place. The bounds are those of `#[schema(...)]` and `#[param(...)]`, which utoipa reads as well.
+//!
+//! | attribute | of |
+//! |---|---|
+//! | [`macro@answer`] | what the service sends |
+//! | [`macro@body`] | what a client sends in a body |
+//! | [`macro@params`] | what a client sends in a query |
+//!
+//! A field may have `#[id]` (the rule for ids), `#[read(function)]` (a reader of its own), `#[null]` (told as null where it is
+//! missing), `#[from(expression)]` and `#[rounded]`.
+
+mod field;
+
+use field::{Field, Source};
+use proc_macro::TokenStream;
+use proc_macro2::TokenStream as Tokens;
+use quote::quote;
+use syn::parse::{Parse, ParseStream};
+use syn::{Data, DeriveInput, Fields, Path, Token};
+
+/// What the service sends: a schema, and both ways of JSON. What is `None` is left out. `#[answer(of = Model)]`, or `of = &Model`, also
+/// makes it of the model's type: a field is that of the same name as it is shown, or what `#[from(...)]` says, in which the model is
+/// `of`; `#[rounded]` rounds a number that was computed.
+#[proc_macro_attribute]
+pub fn answer(model: TokenStream, item: TokenStream) -> TokenStream {
+    let model = (!model.is_empty()).then(|| syn::parse::<Model>(model));
+    expand(item, |shape| {
+        let json = shape.json(&quote!());
+        let of_model = model.transpose()?.map(|model| shape.made_of(&model));
+        Ok(quote!(#json #of_model))
+    })
+}
+
+/// What a client sends in a body: as [`macro@answer`], with a decoder that refuses further fields. `#[body(Model)]` also decodes the model's
+/// type, by `From`; `#[body(checked Model)]` by the method `checked` of the struct, which may refuse what does not fit together.
+#[proc_macro_attribute]
+pub fn body(model: TokenStream, item: TokenStream) -> TokenStream {
+    let model = (!model.is_empty()).then(|| syn::parse::<Decoded>(model));
+    expand(item, |shape| {
+        let json = shape.json(&quote!(#[serde(deny_unknown_fields)]));
+        let decoder = shape.decoder(Source::Body)?;
+        let of_model = model.transpose()?.map(|model| shape.decoder_of(&model));
+        Ok(quote!(#json #decoder #of_model))
+    })
+}
+
+/// What a client sends in a query: the parameters in the API document, and their decoder.
+#[proc_macro_attribute]
+pub fn params(_: TokenStream, item: TokenStream) -> TokenStream {
+    expand(item, |shape| {
+        let (visibility, attributes, name) = (&shape.input.vis, &shape.input.attrs, &shape.input.ident);
+        let fields = shape.fields.iter().map(|field| field.declared(Source::Query));
+        let decoder = shape.decoder(Source::Query)?;
+        Ok(quote! {
+            #[derive(Clone, Debug, PartialEq, Eq, utoipa::IntoParams)]
+            #[into_params(parameter_in = Query)]
+            #(#attributes)*
+            #visibility struct #name { #(#fields,)* }
+            #decoder
+        })
+    })
+}
+
+/// The type that is decoded from a shape.
+struct Decoded {
+    path: Path,
+    is_checked: bool,
+}
+
+impl Parse for Decoded {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let is_checked = input.parse::<Option<kw::checked>>()?.is_some();
+        Ok(Self { path: input.parse()?, is_checked })
+    }
+}
+
+/// The type that a shape is made of.
+struct Model {
+    path: Path,
+    is_borrowed: bool,
+}
+
+impl Parse for Model {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        input.parse::<kw::of>()?;
+        input.parse::<Token![=]>()?;
+        let is_borrowed = input.parse::<Option<Token![&]>>()?.is_some();
+        Ok(Self { path: input.parse()?, is_borrowed })
+    }
+}
+
+mod kw {
+    syn::custom_keyword!(checked);
+    syn::custom_keyword!(of);
+}
+
+/// A struct that is a shape.
+struct Shape {
+    input: DeriveInput,
+    fields: Vec<Field>,
+}
+
+fn expand(item: TokenStream, write: impl FnOnce(&Shape) -> syn::Result<Tokens>) -> TokenStream {
+    let written = syn::parse::<DeriveInput>(item).and_then(Shape::of).and_then(|shape| write(&shape));
+    written.unwrap_or_else(syn::Error::into_compile_error).into()
+}
+
+impl Shape {
+    fn of(input: DeriveInput) -> syn::Result<Self> {
+        let Data::Struct(data) = &input.data else {
+            return Err(syn::Error::new_spanned(&input, "a shape is a struct"));
+        };
+        let Fields::Named(named) = &data.fields else {
+            return Err(syn::Error::new_spanned(&input, "a shape has named fields"));
+        };
+        let fields = named.named.iter().map(Field::of).collect::<syn::Result<_>>()?;
+        Ok(Self { input, fields })
+    }
+
+    /// The struct, as JSON and as a schema.
+    fn json(&self, strictness: &Tokens) -> Tokens {
+        let (visibility, attributes, name) = (&self.input.vis, &self.input.attrs, &self.input.ident);
+        let fields = self.fields.iter().map(|field| field.declared(Source::Body));
+        quote! {
+            #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
+            #strictness
+            #(#attributes)*
+            #visibility struct #name { #(#fields,)* }
+        }
+    }
+
+    /// What makes it of the model's type.
+    fn made_of(&self, Model { path, is_borrowed }: &Model) -> Tokens {
+        let name = &self.input.ident;
+        let model = if *is_borrowed { quote!(&#path) } else { quote!(#path) };
+        let idents = self.fields.iter().map(Field::ident);
+        let values = self.fields.iter().map(|field| field.shown(*is_borrowed));
+        quote! {
+            impl From<#model> for #name {
+                fn from(of: #model) -> Self {
+                    Self { #(#idents: #values,)* }
+                }
+            }
+
+            impl crate::api::shown::Shown<#model> for #name {
+                fn shown(of: #model) -> Self {
+                    of.into()
+                }
+            }
+        }
+    }
+
+    /// The reader of its fields.
+    fn decoder(&self, source: Source) -> syn::Result<Tokens> {
+        let name = &self.input.ident;
+        let idents: Vec<_> = self.fields.iter().map(Field::ident).collect();
+        let names = self.fields.iter().map(Field::name);
+        let readers =
+            self.fields.iter().map(|field| field.reader(source)).collect::<syn::Result<Vec<_>>>()?;
+        Ok(quote! {
+            impl crate::api::decoding::read::Members for #name {
+                fn names() -> Vec<&'static str> {
+                    vec![#(#names),*]
+                }
+
+                fn read(object: &crate::api::decoding::read::Object<'_>) -> Option<Self> {
+                    #(let #idents = #readers;)*
+                    Some(Self { #(#idents: #idents?,)* })
+                }
+            }
+
+            impl crate::api::decoding::read::Decode for #name {
+                fn decode(node: &crate::api::decoding::read::Node<'_>) -> Option<Self> {
+                    crate::api::decoding::read::members(node)
+                }
+            }
+        })
+    }
+
+    /// The decoder of the model's type.
+    fn decoder_of(&self, Decoded { path: model, is_checked }: &Decoded) -> Tokens {
+        let name = &self.input.ident;
+        let made = if *is_checked { quote!(shape.checked(node)) } else { quote!(Some(shape.into())) };
+        quote! {
+            impl crate::api::decoding::read::Decode for #model {
+                fn decode(node: &crate::api::decoding::read::Node<'_>) -> Option<Self> {
+                    let shape = <#name as crate::api::decoding::read::Decode>::decode(node)?;
+                    #made
+                }
+            }
+        }
+    }
+}
