@@ -1,14 +1,13 @@
 //! Key: an API key as it is made, and as it is read back without its secret.
 
-use revisit_shapes::answer;
+use revisit_shapes::{answer, body};
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::decoding::read::{Decode, Node};
-use super::limits;
 use super::names::ActionName;
 use super::space::Time;
-use crate::domain::key::{Action, Key, KeyProperties, MadeKey, MapPattern};
+use crate::domain::key::{Action, Key, KeyProperties, MadeKey, MapPattern, PatternError};
 use crate::domain::keyframe::Stamp;
 
 /// The notice in the answer to a server's first key.
@@ -16,9 +15,8 @@ const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on ever
     `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
 
 /// A key to be made.
-#[answer]
+#[body(KeyProperties)]
 #[derive(Default)]
-#[serde(deny_unknown_fields)]
 pub struct KeyBody {
     /// Whose it is, for people.
     #[schema(min_length = 1, max_length = 128)]
@@ -28,7 +26,7 @@ pub struct KeyBody {
     pub actions: Vec<ActionName>,
     /// The maps that exist for it: ids in which `*` stands for any characters. Left out: every map.
     #[schema(min_items = 1, max_items = 100, value_type = Option<Vec<PatternShape>>, inline)]
-    pub maps: Option<Vec<String>>,
+    pub maps: Option<Vec<MapPattern>>,
     /// From when on it is no longer good. Left out: never.
     pub expires: Option<Time>,
     /// Requests a second; a second's worth may come at once, and a bulk line counts as a request. Left out: any number.
@@ -105,47 +103,31 @@ pub struct KeyView {
     pub notice: Option<String>,
 }
 
-impl Decode for KeyProperties {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&[
-            "name",
-            "actions",
-            "maps",
-            "expires",
-            "rate_per_s",
-            "max_maps",
-            "max_bytes",
-            "model_daily_calls",
-            "model_daily_usd",
-        ])?;
-        let action = |node: &Node<'_>| node.choice(Action::NAMES, Action::from_name);
-        let name = body.optional("name", |node| node.name(limits::KEY_NAME_CHARS));
-        let actions = body.required("actions", |node| node.list(Action::ALL.len(), action));
-        let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
-        let expires = body.optional("expires", Stamp::decode);
-        let rate_per_s = body.optional("rate_per_s", |node| node.count(limits::KEY_RATE_PER_S));
-        let max_maps = body.optional("max_maps", |node| node.count(limits::KEY_MAPS));
-        let max_bytes = body.optional("max_bytes", |node| node.whole(limits::KEY_BYTES));
-        let calls = body.optional("model_daily_calls", |node| node.count(limits::KEY_DAILY_CALLS));
-        let usd = body.optional("model_daily_usd", |node| node.number(limits::KEY_DAILY_USD));
-        Some(Self {
-            name: name?.unwrap_or_default(),
-            actions: actions?.into_iter().collect(),
-            maps: maps?.unwrap_or_else(|| vec![MapPattern::every()]),
-            expires: expires?,
-            rate_per_s: rate_per_s?,
-            max_maps: max_maps?,
-            max_bytes: max_bytes?.map(i64::unsigned_abs),
-            model_daily_calls: calls?,
-            model_daily_microusd: usd?.map(|usd| (usd * 1e6).round() as u64),
-        })
+impl From<KeyBody> for KeyProperties {
+    fn from(body: KeyBody) -> Self {
+        Self {
+            name: body.name.unwrap_or_default(),
+            actions: body.actions.into_iter().map(|action| action.0).collect(),
+            maps: body.maps.unwrap_or_else(|| vec![MapPattern::every()]),
+            expires: body.expires.map(Stamp::from),
+            rate_per_s: body.rate_per_s,
+            max_maps: body.max_maps,
+            max_bytes: body.max_bytes,
+            model_daily_calls: body.model_daily_calls,
+            model_daily_microusd: body.model_daily_usd.map(|usd| (usd * 1e6).round() as u64),
+        }
     }
 }
 
-fn pattern(node: &Node<'_>) -> Option<MapPattern> {
-    match node.string()?.parse::<MapPattern>() {
-        Ok(pattern) => Some(pattern),
-        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor .."),
+impl Decode for MapPattern {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        match node.string()?.parse() {
+            Ok(pattern) => Some(pattern),
+            Err(error) => {
+                let error: PatternError = error;
+                node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor ..")
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Limits: how much of everything one request may bring.
 //!
-//! Each is far above what a robot sends and far below what would hurt the server. They stand in the API document
-//! too; a test compares the two.
+//! Each is far above what a robot sends and far below what would hurt the server. These are of what is decoded by hand; they stand in
+//! the API document too, and a test compares the two. The others stand with the member that they bound.
 
 use std::ops::RangeInclusive;
 
@@ -49,10 +49,6 @@ pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// A level of the image pyramid.
 pub const OCTAVE: RangeInclusive<i64> = 0..=63;
 
-/// Whole seconds of a time: within the years that a calendar library can print.
-pub const SEC: RangeInclusive<i64> = -62_135_596_800..=253_402_300_799;
-/// Nanoseconds within the second.
-pub const NANOSEC: RangeInclusive<i64> = 0..=999_999_999;
 
 /// Words of one keyframe.
 pub const WORDS: usize = BowVector::MAX_WORDS;
@@ -88,8 +84,6 @@ pub const SOURCE_CHARS: usize = 128;
 pub const LEVEL: RangeInclusive<i64> = 1..=5;
 /// Characters of a class.
 pub const CLASS_CHARS: usize = 64;
-/// Characters of the source of a prior anchor.
-pub const PRIOR_SOURCE_CHARS: usize = 256;
 /// Characters of a text, a description or a search.
 pub const TEXT_CHARS: usize = 4096;
 
@@ -112,35 +106,9 @@ pub const FUSED_POINTS: usize = 10_000;
 pub const CHANGED_KEYFRAMES: usize = 1_000;
 /// Time that a loop query may wait for models, in milliseconds.
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
-/// The version of a map; 63 bits, as [`SEED`].
-pub const MAP_VERSION: RangeInclusive<i64> = 1..=i64::MAX;
-/// Keyframes that one request erases.
-pub const ERASED_KEYFRAMES: usize = 10_000;
-/// Sessions that one request erases.
-pub const ERASED_SESSIONS: usize = 1_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
 /// Places of an answer to "where am I?".
 pub const LOCATE_PLACES: RangeInclusive<i64> = 1..=20;
-/// Radius of a hint, in metres.
-pub const LOCATE_RADIUS_M: RangeInclusive<f64> = 0.0..=1e9;
-/// Characters of a key's name.
-pub const KEY_NAME_CHARS: usize = 128;
 /// Patterns of maps of one key.
 pub const KEY_PATTERNS: usize = 100;
-/// Requests a second of one key.
-pub const KEY_RATE_PER_S: RangeInclusive<i64> = 1..=1_000_000;
-/// Maps that one key made.
-pub const KEY_MAPS: RangeInclusive<i64> = 0..=1_000_000;
-/// Bytes of these maps.
-pub const KEY_BYTES: RangeInclusive<i64> = 0..=(1 << 53);
-/// Calls of models a day of one key.
-pub const KEY_DAILY_CALLS: RangeInclusive<i64> = 0..=1_000_000_000;
-/// Maximum cost of these calls, in US dollars.
-pub const KEY_DAILY_USD: RangeInclusive<f64> = 0.0..=1e6;
-/// Items of one part of a list.
-pub const PAGE: RangeInclusive<i64> = 1..=1000;
-/// Characters of a list's cursor.
-pub const CURSOR_CHARS: usize = 256;
-/// Items of one part of a list, if the client does not say.
-pub const PAGE_DEFAULT: usize = 100;

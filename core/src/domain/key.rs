@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
@@ -69,7 +70,8 @@ impl fmt::Display for Actions {
 pub struct PatternError;
 
 /// A map's id in which `*` stands for any number of characters, `hotel-*`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct MapPattern(Box<str>);
 
 impl MapPattern {
@@ -95,6 +97,20 @@ impl MapPattern {
             left = &left[at + part.len()..];
         }
         left.ends_with(last)
+    }
+}
+
+impl TryFrom<String> for MapPattern {
+    type Error = PatternError;
+
+    fn try_from(text: String) -> Result<Self, PatternError> {
+        text.parse()
+    }
+}
+
+impl From<MapPattern> for String {
+    fn from(pattern: MapPattern) -> Self {
+        pattern.0.into()
     }
 }
 

@@ -138,7 +138,7 @@ impl Decode for LocateRequest {
             }
             Some(keyframes)
         });
-        let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
+        let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, MapPattern::decode));
         let release = body.optional("release", read::id);
         let hint = body.optional("hint", LocationHint::decode);
         let exclude = body.optional("exclude", LocateExcludeBody::decode);
@@ -162,13 +162,6 @@ impl Decode for LocateRequest {
             max: max?.unwrap_or(PLACES).unsigned_abs() as usize,
             seed: seed?.unwrap_or(0).unsigned_abs(),
         })
-    }
-}
-
-fn pattern(node: &Node<'_>) -> Option<MapPattern> {
-    match node.string()?.parse::<MapPattern>() {
-        Ok(pattern) => Some(pattern),
-        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor .."),
     }
 }
 

@@ -91,7 +91,7 @@ where
     type Rejection = Problem;
 
     async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
-        let MapPath(map) = request.extract_parts().await?;
+        let MapPath { map } = request.extract_parts().await?;
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
         let read = |document: &Document<'_>| {

@@ -17,7 +17,7 @@ use crate::http::error_responses::{OfPatch, OfVersionedDelete, OfWrite, ReadErro
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::if_match::{IfMatch, etag};
-use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams, PriorPath};
+use crate::http::extract::path::{AnchorPath, MapPath, PriorPath};
 use crate::http::extract::query::{AnchorSearch, Paging, Query};
 use crate::http::problem::Problem;
 
@@ -25,12 +25,12 @@ use crate::http::problem::Problem;
 ///
 /// Oldest first, paged. Merged anchors are omitted unless requested.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPathParams, AnchorSearch, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPath, AnchorSearch, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One page of the list", body = AnchorList, example = examples::anchors), ReadErrors)
 )]
 pub async fn list_anchors(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query((filter, page)): Query<(AnchorSearch, Paging)>,
 ) -> Result<Json<AnchorList>, Problem> {
     let (version, anchors) =
@@ -42,7 +42,7 @@ pub async fn list_anchors(
 ///
 /// Returns its readings, its position in each session's frame and the anchors that match it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The anchor", body = AnchorView, 
             headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
@@ -62,7 +62,7 @@ pub async fn get_anchor(
 /// A sign that a floor plan shows, known before any robot has seen it. It matches what robots read, aligns their sessions to
 /// the plan, and closes no loop by itself. A plan's frame is a session that no robot drives.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])), params(AnchorPathParams),
+    put, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])), params(AnchorPath),
     request_body(content = PriorBody, example = examples::prior_body),
     responses(
         (status = 201, description = "The prior anchor is stored", body = AnchorView, example = examples::prior_anchor),
@@ -73,7 +73,7 @@ pub async fn get_anchor(
 )]
 pub async fn put_prior_anchor(
     State(service): State<Service>,
-    PriorPath { map, prior }: PriorPath,
+    PriorPath { map, anchor: prior }: PriorPath,
     Body(fields): Body<PriorBody>,
 ) -> Result<Response, Problem> {
     let stored = service.put_prior(&map, fields.named(prior)).await?;
@@ -86,7 +86,7 @@ pub async fn put_prior_anchor(
 /// seen.
 #[utoipa::path(
     patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
-    params(AnchorPathParams, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
+    params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
     request_body(content = AnchorPatchBody, example = examples::anchor_patch),
     responses(
         (status = 200, description = "The updated anchor", body = AnchorView, 
@@ -111,7 +111,7 @@ pub async fn patch_anchor(
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(
-        AnchorPathParams,
+        AnchorPath,
         ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it, any version",
             example = "\"4\"")
     ),
@@ -133,7 +133,7 @@ pub async fn delete_anchor(
 ///
 /// The largest image of it in any detection, as it was sent.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The image", content(
             (ImageFile = "image/png", example = "(the bytes of a PNG file)"),
@@ -156,7 +156,7 @@ pub async fn get_crop(
 /// The dialogues between a language model and a vision model about its crops, newest first; empty if no model has read
 /// one.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), ReadErrors)
 )]
 pub async fn get_transcript(

@@ -13,7 +13,7 @@ use crate::engine::Service;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfBackup, OfDelete, OfList};
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{BackupPath, BackupPathParams};
+use crate::http::extract::path::BackupPath;
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -46,12 +46,12 @@ pub async fn take_backup(
 ///
 /// Its two files are removed from the folder given by `revisit serve --backups`.
 #[utoipa::path(
-    delete, path = "/v1/backups/{id}", tag = "service", params(BackupPathParams), security(("key" = ["admin"])),
+    delete, path = "/v1/backups/{id}", tag = "service", params(BackupPath), security(("key" = ["admin"])),
     responses((status = 204, description = "The backup is deleted"), OfDelete)
 )]
 pub async fn delete_backup(
     State(service): State<Service>,
-    BackupPath(id): BackupPath,
+    BackupPath { id }: BackupPath,
 ) -> Result<StatusCode, Problem> {
     service.delete_backup(id).await?;
     Ok(StatusCode::NO_CONTENT)

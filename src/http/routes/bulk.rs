@@ -25,7 +25,7 @@ use crate::http::envelope::RequestId;
 use crate::http::error_responses::OfWrite;
 use crate::http::extract::body::{Text, all_faults, decoded, expect_type};
 use crate::http::extract::decompression::Encoding;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::guards::access::Caller;
 use crate::http::guards::admission::HeldPermit;
 use crate::http::problem::{Kind, Problem};
@@ -37,7 +37,7 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 /// One keyframe per line, each with its `id`; blank lines are skipped. Lines are stored in order and independently: an
 /// invalid line gets its problem, and the others continue. The response has one line per item.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath), security(("key" = ["write"])),
     request_body(content = BulkItem, content_type = "application/x-ndjson", example = examples::bulk_body),
     responses(
         (status = 200, description = "Every keyframe is stored", body = BulkLine, content_type = "application/x-ndjson",
@@ -50,7 +50,7 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 pub async fn put_keyframes(
     State(app): State<App>,
     caller: Caller,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Extension(request_id): Extension<RequestId>,
     Extension(working): Extension<HeldPermit>,
     request: Request,

@@ -10,7 +10,7 @@ use crate::domain::erasure::NewErasure;
 use crate::engine::Service;
 use crate::http::error_responses::{OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{ErasurePath, ErasurePathParams, MapPath, MapPathParams};
+use crate::http::extract::path::{ErasurePath, MapPath};
 use crate::http::problem::Problem;
 
 /// Erase keyframes or sessions for good
@@ -22,13 +22,13 @@ use crate::http::problem::Problem;
 /// maps of their own. Poll the job until it is `done`; it survives restarts. Backups that were taken before still hold
 /// what was erased, and so does what other systems were sent.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/erase", tag = "maps", params(MapPathParams), security(("key" = ["admin"])),
+    post, path = "/v1/maps/{map}/erase", tag = "maps", params(MapPath), security(("key" = ["admin"])),
     request_body(content = ErasureBody, example = examples::erasure_body),
     responses((status = 202, description = "The erasure is on record, and begins", body = ErasureView, example = examples::erasure), OfWrite)
 )]
 pub async fn erase(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(asked): Body<NewErasure>,
 ) -> Result<(StatusCode, Json<ErasureView>), Problem> {
     let erasure = service.erase(&map, asked).await?;
@@ -40,13 +40,13 @@ pub async fn erase(
 ///
 /// Tells how far it is, and which backups still hold what it erased.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/erase/{erasure}", tag = "maps", params(ErasurePathParams), security(("key" = ["admin"])),
+    get, path = "/v1/maps/{map}/erase/{erasure}", tag = "maps", params(ErasurePath), security(("key" = ["admin"])),
     responses((status = 200, description = "The erasure", body = ErasureView, example = examples::erasure), ReadErrors)
 )]
 pub async fn get_erasure(
     State(service): State<Service>,
-    ErasurePath { map, number }: ErasurePath,
+    path: ErasurePath,
 ) -> Result<Json<ErasureView>, Problem> {
-    let (erasure, older) = service.erasure(&map, number).await?;
+    let (erasure, older) = service.erasure(&path.map, path.number()?).await?;
     Ok(Json(ErasureView::of(erasure, older)))
 }

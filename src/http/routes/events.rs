@@ -18,7 +18,7 @@ use crate::engine::keys::access::Access;
 use crate::engine::{PinnedMap, ServiceError};
 use crate::http::App;
 use crate::http::error_responses::OfStream;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::extract::query::{Query, Since};
 use crate::http::guards::access::Caller;
 use crate::http::guards::stream_limit::Listening;
@@ -41,7 +41,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
-        MapPathParams, Since,
+        MapPath, Since,
         ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; overrides `since`",
             example = 30)
     ),
@@ -54,7 +54,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 pub async fn listen(
     State(app): State<App>,
     caller: Caller,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(Since { since }): Query<Since>,
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {

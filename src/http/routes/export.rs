@@ -13,7 +13,7 @@ use crate::engine::keys::access::Access;
 use crate::engine::{MapExport, ServiceError};
 use crate::http::App;
 use crate::http::error_responses::ReadErrors;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::extract::query::Query;
 use crate::http::extract::release_query::ReleaseQuery;
 use crate::http::guards::access::Caller;
@@ -30,7 +30,7 @@ const PIECE_BYTES: usize = 64 << 10;
 /// server computed them. Replaying it gives a map with the same verdicts, but other ids of anchors and queries. An
 /// aborted response is incomplete. At most four exports run at once, two of them for one key.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams, ReleaseQuery), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPath, ReleaseQuery), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The recording", body = String, content_type = "application/x-ndjson",
             example = "{\"op\":\"map\",\"id\":\"hotel\",\"body\":{}}\n"),
@@ -40,7 +40,7 @@ const PIECE_BYTES: usize = 64 << 10;
 pub async fn export_map(
     State(app): State<App>,
     caller: Caller,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(ReleaseQuery { release }): Query<ReleaseQuery>,
 ) -> Result<Response, Problem> {
     let export = app.service.export(&map, release.as_ref()).await?;

@@ -11,7 +11,7 @@ use crate::engine::Service;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{JudgementPath, JudgementPathParams, MapPath, MapPathParams};
+use crate::http::extract::path::{JudgementPath, MapPath};
 use crate::http::problem::Problem;
 
 /// Re-evaluate verdicts with a changed model
@@ -21,7 +21,7 @@ use crate::http::problem::Problem;
 /// budget and survives restarts; a map has one running job at a time. Replaced verdicts stay on record, and merged
 /// anchors stay merged.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/judgements", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/judgements", tag = "anchors", params(MapPath), security(("key" = ["write"])),
     request_body(content = JudgementBody, example = examples::judgement_body),
     responses(
         (status = 201, description = "The job was started", body = JudgementView, example = examples::judgement),
@@ -33,7 +33,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn judge_again(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(new): Body<NewJudgement>,
 ) -> Result<Response, Problem> {
     let is_preview = new.preview;
@@ -46,7 +46,7 @@ pub async fn judge_again(
 ///
 /// Returns its progress and the verdicts that it has replaced.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
+    get, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPath),
     security(("key" = ["read"])),
     responses((status = 200, description = "The job", body = JudgementView, example = examples::judgement), ReadErrors)
 )]
@@ -61,7 +61,7 @@ pub async fn get_judgement(
 ///
 /// Its results so far are kept. The job can still be read; a finished job does not change.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
+    delete, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPath),
     security(("key" = ["write"])),
     responses(
         (status = 200, description = "The job is stopped", body = JudgementView, example = examples::judgement),

@@ -18,7 +18,7 @@ use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::KeyframeInPath;
-use crate::http::extract::path::{KeyframePath, KeyframePathParams, MapPath, MapPathParams};
+use crate::http::extract::path::{KeyframePath, MapPath};
 use crate::http::extract::query::{KeyframeParams, KeyframeSearch, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
@@ -29,7 +29,7 @@ use crate::http::problem::Problem;
 /// Sending the same keyframe again changes nothing and returns 200, also with its lists in another order or packed; a different one
 /// under the same id is a conflict.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams, KeyframeParams), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, KeyframeParams), security(("key" = ["write"])),
     request_body(content = KeyframeBody, example = examples::keyframe_body),
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
@@ -68,7 +68,7 @@ pub async fn put_keyframe(
 /// next page is asked for. A page looks at 1,000 keyframes at most, so it may be short or empty with a `next_cursor`. Nothing is
 /// deleted unasked.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams, KeyframeSearch, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath, KeyframeSearch, Paging), security(("key" = ["read"])),
     responses(
         (status = 200, description = "One page of the list", body = KeyframeList, example = examples::keyframes),
         ReadErrors
@@ -76,7 +76,7 @@ pub async fn put_keyframe(
 )]
 pub async fn list_keyframes(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query((search, page)): Query<(KeyframeSearch, Paging)>,
 ) -> Result<Json<KeyframeList>, Problem> {
     let cursor = page.cursor.as_deref();
@@ -92,7 +92,7 @@ pub async fn list_keyframes(
 ///
 /// As it was sent, with its last corrected pose and points, with what it observes now, and the anchors of its detections.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), ReadErrors)
 )]
 pub async fn get_keyframe(
@@ -107,7 +107,7 @@ pub async fn get_keyframe(
 ///
 /// Deletes its observations, too, and any anchor without other observations.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The keyframe is deleted", body = MapVersion, example = examples::map_version),
         OfDelete
@@ -125,7 +125,7 @@ pub async fn delete_keyframe(
 ///
 /// Keyframes that share enough map points with it, or that a client or a confirmed loop declared covisible.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "All covisible keyframes", body = CovisibleList, example = examples::covisible),
         ReadErrors
@@ -143,7 +143,7 @@ pub async fn list_covisible(
 ///
 /// M_k of §V-A: the anchors seen by a keyframe and its covisible keyframes, as bearings and distances from its camera.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The local anchor map", body = LocalAnchorMap, example = examples::local_anchor_map),
         ReadErrors

@@ -13,7 +13,7 @@ use crate::engine::keys::access::Access;
 use crate::engine::keys::lockout::Lockout;
 use crate::http::error_responses::{OfKey, OfList, OfRevocation, OfWrite};
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{KeyPath, KeyPathParams};
+use crate::http::extract::path::KeyPath;
 use crate::http::extract::query::{LastAdmin, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::{Kind, Problem};
@@ -84,12 +84,12 @@ pub async fn create_key(
 /// The key is rejected from now on and stays in the list. Revoking it again changes nothing. The last administrator
 /// key is revoked only with `last_admin=true` (else 409).
 #[utoipa::path(
-    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPathParams, LastAdmin), security(("key" = ["admin"])),
+    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPath, LastAdmin), security(("key" = ["admin"])),
     responses((status = 204, description = "The key is revoked"), OfRevocation)
 )]
 pub async fn revoke_key(
     State(service): State<Service>,
-    KeyPath(id): KeyPath,
+    KeyPath { id }: KeyPath,
     Query(LastAdmin { last_admin }): Query<LastAdmin>,
 ) -> Result<StatusCode, Problem> {
     let lockout = if last_admin { Lockout::Meant } else { Lockout::Refused };

@@ -15,7 +15,7 @@ use crate::http::answer::json_bytes;
 use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::QueryOfMap;
-use crate::http::extract::path::{MapPath, MapPathParams, QueryPath, QueryPathParams};
+use crate::http::extract::path::{MapPath, QueryPath};
 use crate::http::extract::query::{DetailParams, Paging, Query, VerdictSearch};
 use crate::http::problem::Problem;
 
@@ -32,7 +32,7 @@ pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-tim
 /// /v1/maps/{map}/loops`. From then on the two keyframes are covisible. The same query then returns the loop in
 /// `closed` and the reason `already_closed`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, DetailParams), security(("key" = ["query"])),
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath, DetailParams), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
     responses(
         (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
@@ -60,13 +60,13 @@ pub async fn query_loop(
 /// lose the last few. A question that is asked again, at the same version, has one line, with the time of the last. An erasure
 /// removes all lines of the map, for any of them may name what was erased.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, VerdictSearch, Paging),
+    get, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath, VerdictSearch, Paging),
     security(("key" = ["read"])),
     responses((status = 200, description = "One page of the list", body = VerdictList, example = examples::verdicts), ReadErrors)
 )]
 pub async fn list_loop_queries(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query((asked, page)): Query<(VerdictSearch, Paging)>,
 ) -> Result<Json<VerdictList>, Problem> {
     let release = asked.release.clone();
@@ -80,14 +80,14 @@ pub async fn list_loop_queries(
 ///
 /// Returns the exact bytes of the answer. The number of records per map is limited; the oldest are deleted first.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPath), security(("key" = ["read"])),
     responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), ReadErrors)
 )]
 pub async fn get_loop_query(
     State(service): State<Service>,
     QueryPath { map, query }: QueryPath,
 ) -> Result<Response, Problem> {
-    Ok(json_bytes(service.kept_query(&map, &query).await?))
+    Ok(json_bytes(service.kept_query(&map, query.as_str()).await?))
 }
 
 /// Formats the waiting time and the duration of each step, in milliseconds.

@@ -16,7 +16,7 @@ use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{LoopPath, LoopPathParams, MapPath, MapPathParams};
+use crate::http::extract::path::{LoopPath, MapPath};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -26,7 +26,7 @@ use crate::http::problem::Problem;
 /// become covisible. Only this closes a loop; the verdict of a query changes nothing. Evidence against the loop is
 /// returned in `warnings`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = LoopBody, example = examples::loop_body),
     responses(
         (status = 201, description = "The loop is confirmed", body = LoopClosed, example = examples::loop_closed),
@@ -38,7 +38,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn confirm_loop(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(new): Body<NewLoop>,
 ) -> Result<Response, Problem> {
     let transform = measured(&service, &map, &new).await?;
@@ -51,12 +51,12 @@ pub async fn confirm_loop(
 ///
 /// Oldest first, paged.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One page of the list", body = LoopList, example = examples::loops), ReadErrors)
 )]
 pub async fn list_loops(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<LoopList>, Problem> {
     let (version, loops) = service.list_loops(&map, page.cursor.as_deref(), page.limit).await?;
@@ -67,7 +67,7 @@ pub async fn list_loops(
 ///
 /// For a loop that was wrong: its merges are undone, and the two keyframes are no longer covisible through it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPathParams), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPath), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The loop is revoked", body = LoopRevoked, example = examples::loop_revoked),
         OfDelete
@@ -75,7 +75,7 @@ pub async fn list_loops(
 )]
 pub async fn revoke_loop(
     State(service): State<Service>,
-    LoopPath { map, id }: LoopPath,
+    LoopPath { map, r#loop: id }: LoopPath,
 ) -> Result<Json<LoopRevoked>, Problem> {
     let (version, report) = service.revoke_loop(&map, &id).await?;
     Ok(Json(LoopRevoked::of(version, report)))

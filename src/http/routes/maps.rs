@@ -15,7 +15,7 @@ use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfList, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::extract::query::{DetailParams, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
@@ -42,7 +42,7 @@ pub async fn list_maps(
 /// begins as a copy of a release or of another map, and the answer comes when all of it is on disk; the key must have `read` for that. With
 /// `?detail=brief` the answer lists only the settings that differ from their defaults.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}", tag = "maps", params(MapPath, DetailParams), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
     responses(
         (status = 201, description = "The map was created", body = MapView, example = examples::map),
@@ -54,7 +54,7 @@ pub async fn list_maps(
 pub async fn put_map(
     State(service): State<Service>,
     caller: Caller,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<DetailParams>,
     Body(new): Body<NewMap>,
 ) -> Result<Response, Problem> {
@@ -73,12 +73,12 @@ pub async fn put_map(
 ///
 /// Includes every setting in force; with `?detail=brief` only those that differ from their defaults.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}", tag = "maps", params(MapPath, DetailParams), security(("key" = ["read"])),
     responses((status = 200, description = "The map", body = MapView, example = examples::map), ReadErrors)
 )]
 pub async fn get_map(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<DetailParams>,
 ) -> Result<Json<MapView>, Problem> {
     Ok(Json(MapView::of(service.get_map(&map).await?, asked.detail())))
@@ -88,13 +88,13 @@ pub async fn get_map(
 ///
 /// Omitted members keep their values; `settings` changes only the settings that it contains.
 #[utoipa::path(
-    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams, DetailParams), security(("key" = ["write"])),
+    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPath, DetailParams), security(("key" = ["write"])),
     request_body(content = MapPatchBody, example = examples::map_patch),
     responses((status = 200, description = "The updated map", body = MapView, example = examples::map), OfWrite)
 )]
 pub async fn patch_map(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<DetailParams>,
     Body(patch): Body<MapPatch>,
 ) -> Result<Json<MapView>, Problem> {
@@ -105,12 +105,12 @@ pub async fn patch_map(
 ///
 /// Deletes everything in it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
     responses((status = 204, description = "The map is deleted"), OfDelete)
 )]
 pub async fn delete_map(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
 ) -> Result<StatusCode, Problem> {
     service.delete_map(&map).await?;
     Ok(StatusCode::NO_CONTENT)

@@ -9,7 +9,7 @@ use crate::domain::request::NewVerdict;
 use crate::engine::Service;
 use crate::http::error_responses::OfWrite;
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::problem::Problem;
 
 /// Import a model verdict
@@ -18,7 +18,7 @@ use crate::http::problem::Problem;
 /// verdict of this server's model, and calls none. A copy of a map, or a model that runs elsewhere, can import
 /// verdicts this way. It has no effect if no anchor has these texts, or if the crop's reading is final.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPath), security(("key" = ["write"])),
     request_body(content = ModelVerdictBody, example = examples::model_verdict),
     responses(
         (status = 200, description = "The result", body = ModelVerdictAnswer, example = examples::model_verdict_answer),
@@ -27,7 +27,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn bring_model_verdict(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(new): Body<NewVerdict>,
 ) -> Result<Json<ModelVerdictAnswer>, Problem> {
     let (map_version, applied) = service.bring_verdict(&map, new).await?;

@@ -9,7 +9,7 @@ use crate::domain::request::ChangedObservations;
 use crate::engine::Service;
 use crate::http::error_responses::OfWrite;
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::problem::Problem;
 
 /// Change what keyframes observe
@@ -19,7 +19,7 @@ use crate::http::problem::Problem;
 /// keyframes had been sent so, as far as `docs/method.md` (M57) says. Keyframes sent later name the points that stay. A retry of
 /// a keyframe is compared with its body as first sent. Repeating the request changes nothing.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/observations", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/observations", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = ObservationsBody, example = examples::observations_body),
     responses(
         (status = 200, description = "The changes are stored", body = ObservationsAnswer, example = examples::observations_answer),
@@ -28,7 +28,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn change_observations(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(changed): Body<ChangedObservations>,
 ) -> Result<Json<ObservationsAnswer>, Problem> {
     let (counts, map_version) = service.change_observations(&map, changed).await?;

@@ -9,7 +9,7 @@ use crate::domain::request::PoseCorrection;
 use crate::engine::Service;
 use crate::http::error_responses::OfWrite;
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::problem::Problem;
 
 /// Correct poses and map points
@@ -17,7 +17,7 @@ use crate::http::problem::Problem;
 /// For use after the client has closed a loop and optimised its map. All corrections are one transaction. Boxes of
 /// anchors follow their points.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = PosesBody, example = examples::poses_body),
     responses(
         (status = 200, description = "The corrections are stored", body = PosesAnswer, example = examples::poses_answer),
@@ -26,7 +26,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn correct_poses(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Body(correction): Body<PoseCorrection>,
 ) -> Result<Json<PosesAnswer>, Problem> {
     let (keyframes, map_points) = (correction.keyframes.len(), correction.map_points.len());

@@ -14,7 +14,7 @@ use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
 use crate::http::extract::changes_query::ChangesQuery;
-use crate::http::extract::path::{MapPath, MapPathParams, ReleasePath, ReleasePathParams};
+use crate::http::extract::path::{MapPath, ReleasePath};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -22,12 +22,12 @@ use crate::http::problem::Problem;
 ///
 /// Sorted by name, paged; each with the robots whose loop queries it answered.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/releases", tag = "releases", params(MapPathParams, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/releases", tag = "releases", params(MapPath, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One page of the list", body = ReleaseList, example = examples::releases), ReadErrors)
 )]
 pub async fn list_releases(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<ReleaseList>, Problem> {
     Ok(Json(service.list_releases(&map, page.cursor.as_deref(), page.limit).await?.into()))
@@ -39,7 +39,7 @@ pub async fn list_releases(
 /// the map. It answers when all of it is on disk, which takes seconds for each gigabyte; writes to the map do not wait for it. A
 /// release takes as much disk as the map; a map has at most 64. Sending the same request again changes nothing and returns 200.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePathParams), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePath), security(("key" = ["write"])),
     request_body(content = ReleaseBody, example = examples::release_body),
     responses(
         (status = 201, description = "The release is published", body = ReleaseView, example = examples::release),
@@ -61,7 +61,7 @@ pub async fn publish_release(
 ///
 /// Includes the robots whose loop queries it answered.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePath), security(("key" = ["read"])),
     responses((status = 200, description = "The release", body = ReleaseView, example = examples::release), ReadErrors)
 )]
 pub async fn get_release(
@@ -75,7 +75,7 @@ pub async fn get_release(
 ///
 /// Queries that name it answer 404 from then on. The map stays as it is.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePathParams), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/releases/{release}", tag = "releases", params(ReleasePath), security(("key" = ["write"])),
     responses((status = 204, description = "The release is deleted"), OfDelete)
 )]
 pub async fn delete_release(
@@ -91,12 +91,12 @@ pub async fn delete_release(
 /// Keyframes, anchors and retired signs: what changed from `since` to `until`, or to the map as it stands. Tells whether robots need a
 /// newer release.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/changes", tag = "releases", params(MapPathParams, ChangesQuery), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/changes", tag = "releases", params(MapPath, ChangesQuery), security(("key" = ["read"])),
     responses((status = 200, description = "The changes", body = ReleaseChangesView, example = examples::release_changes), ReadErrors)
 )]
 pub async fn get_changes(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<ChangesQuery>,
 ) -> Result<Json<ReleaseChangesView>, Problem> {
     let ChangesQuery { since, until, limit } = asked;

@@ -12,7 +12,7 @@ use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
 use crate::http::extract::frames_query::FramesQuery;
-use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
+use crate::http::extract::path::{MapPath, SessionPath};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -21,12 +21,12 @@ use crate::http::problem::Problem;
 /// In order of appearance, paged. A session is aligned to a plan once two distinctive signs or more agree and no other place
 /// explains them as well; the alignment is computed anew as more signs are read.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/sessions", tag = "maps", params(MapPathParams, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/sessions", tag = "maps", params(MapPath, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One page of the list", body = SessionList, example = examples::sessions), ReadErrors)
 )]
 pub async fn list_sessions(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<SessionList>, Problem> {
     let (version, sessions) = service.list_sessions(&map, page.cursor.as_deref(), page.limit).await?;
@@ -40,7 +40,7 @@ pub async fn list_sessions(
 /// Keyframes sent later name `into`; one that names the session still begins it anew, in its own frame. Can be revoked until
 /// something is written in one of the two sessions.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPathParams), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPath), security(("key" = ["write"])),
     request_body(content = MergeBody, example = examples::merge_body),
     responses(
         (status = 200, description = "The sessions are one", body = SessionsMergedAnswer, example = examples::sessions_merged),
@@ -66,7 +66,7 @@ pub async fn merge_sessions(
 /// For a merge that was wrong: everything is as before it, to the bit. Not possible once a keyframe, pose, map point or
 /// observation was written in one of the two sessions.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPathParams), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPath), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The sessions are two again", body = MergeRevokedAnswer, example = examples::merge_revoked),
         OfRevocation
@@ -87,12 +87,12 @@ pub async fn revoke_merge(
 /// revoked, and kept: the same version is the same to the byte. Loops without a transformation (the client sent none, and their query is
 /// not named, was not verified by geometry, or was no longer stored) are left out and counted. In a map that is not metric each session stands alone.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPathParams, FramesQuery), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPath, FramesQuery), security(("key" = ["read"])),
     responses((status = 200, description = "The frames", body = FramesView, example = examples::frames), ReadErrors)
 )]
 pub async fn get_frames(
     State(service): State<Service>,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<FramesQuery>,
 ) -> Result<Json<FramesView>, Problem> {
     Ok(Json(service.frames(&map, asked.reference).await?.into()))

@@ -10,7 +10,7 @@ use crate::domain::trajectory::TrajectoryReport;
 use crate::engine::{Service, ServiceError};
 use crate::http::error_responses::ReadErrors;
 use crate::http::extract::answering::Answering;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::path::MapPath;
 use crate::http::extract::query::Query;
 use crate::http::extract::trajectory_query::TrajectoryQuery;
 use crate::http::problem::Problem;
@@ -24,7 +24,7 @@ use crate::http::problem::Problem;
 /// whose query is no longer stored, or has no full transformation, is a comment. Information is in metres and radians,
 /// as gtsam and Ceres read it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPathParams, TrajectoryQuery), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPath, TrajectoryQuery), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The trajectory", body = String, content_type = "text/plain",
             example = "# timestamp tx ty tz qx qy qz qw\n1.000000000 0 0 0 0 0 0 1\n"),
@@ -33,7 +33,7 @@ use crate::http::problem::Problem;
 )]
 pub async fn get_trajectory(
     Answering(service): Answering,
-    MapPath(map): MapPath,
+    MapPath { map }: MapPath,
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {
     let report = if asked.frame.unwrap_or(false) {

@@ -6,7 +6,7 @@ use sqlx::ConnectOptions as _;
 
 use super::json;
 use super::statement::run;
-use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
+use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, SecretHash};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::NewKeyRow;
 use crate::store::files::paths::DatabaseFiles;
@@ -46,8 +46,6 @@ impl Store {
 }
 
 fn key(row: &Row, seq: i64) -> Result<Key, StoreError> {
-    let maps: Vec<String> = json::value(row.try_get("maps")?)?;
-    let maps = maps.iter().map(|pattern| stored_pattern(pattern)).collect::<Result<_, _>>()?;
     let bits: u8 = row.try_get("actions")?;
     let expires: (Option<i64>, Option<u32>) = (row.try_get("expires_sec")?, row.try_get("expires_nanosec")?);
     Ok(Key {
@@ -56,7 +54,7 @@ fn key(row: &Row, seq: i64) -> Result<Key, StoreError> {
             name: row.try_get("name")?,
             actions: Actions::from_bits(bits)
                 .ok_or_else(|| StoreError::corrupt(format!("actions {bits} of key {seq}")))?,
-            maps,
+            maps: json::value(row.try_get("maps")?)?,
             expires: expires.0.zip(expires.1).map(|(sec, nanosec)| Stamp { sec, nanosec }),
             rate_per_s: row.try_get("rate_per_s")?,
             max_maps: row.try_get("max_maps")?,
@@ -90,8 +88,7 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
         .bind(properties.max_bytes.map(|bytes| bytes as i64))
         .bind(properties.model_daily_calls)
         .bind(properties.model_daily_microusd.map(|microusd| microusd as i64));
-    let maps: Vec<String> = properties.maps.iter().map(ToString::to_string).collect();
-    run(db, query.bind(json::text(&maps)?)).await?;
+    run(db, query.bind(json::text(&properties.maps)?)).await?;
     changed(db).await
 }
 
@@ -107,10 +104,6 @@ pub(in crate::store) async fn revoke(
 
 async fn changed(db: &mut Connection) -> Result<(), StoreError> {
     run(db, sql::query("update counters set last = last + 1 where name = 'key'")).await
-}
-
-fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
-    text.parse().map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
 }
 
 /// Returns the API keys of a database that are not revoked, by number and name.

@@ -1,6 +1,7 @@
 //! Unpacking of any bytes, for fuzzing.
 
 use super::{blob, column, keypoints, point_blocks};
+use crate::store::log::entry::Entry;
 
 /// Unpacks a blob as everything that rows have: what fits reads back, and nothing panics.
 ///
@@ -10,4 +11,7 @@ pub fn unpacks(bytes: &[u8]) {
     blob::unpacks(bytes);
     point_blocks::unpacks(bytes);
     let _ = (column::integers_of::<u32>(bytes), column::floats_of(bytes), keypoints::keypoints_of(bytes));
+    if let Ok(entry) = Entry::of(bytes) {
+        assert!(entry.to_bytes().is_ok(), "{entry:?}");
+    }
 }
