@@ -49,7 +49,6 @@ pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// A level of the image pyramid.
 pub const OCTAVE: RangeInclusive<i64> = 0..=63;
 
-
 /// Words of one keyframe.
 pub const WORDS: usize = BowVector::MAX_WORDS;
 /// A word's number in its vocabulary.
