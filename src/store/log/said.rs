@@ -11,16 +11,14 @@ use crate::store::commit::job::Batch;
 pub(in crate::store) fn said<'c>(batch: &'c Batch) -> Vec<Cow<'c, Change>> {
     let replaced: HashSet<(SessionSeq, PointId)> =
         batch.former.points.iter().map(|(session, id, _)| (*session, *id)).collect();
-    let is_prior = |anchor: &AnchorSeq| {
-        let put = |change: &Change| matches!(change, Change::PriorSet(prior, _) if prior == anchor);
-        batch.changes.iter().any(put)
-    };
+    let prior = |change: &Change| if let Change::PriorSet(anchor, _) = change { Some(*anchor) } else { None };
+    let priors: HashSet<AnchorSeq> = batch.changes.iter().filter_map(prior).collect();
     let culls = batch.changes.iter().any(|change| matches!(change, Change::KeyframeRemoved(..)));
     let kept = |change: &'c Change| {
         let stays = match change {
             Change::PoseSet(..) => !batch.former.poses.is_empty(),
             Change::PointSet(session, id, _) => replaced.contains(&(*session, *id)),
-            Change::AnchorAdded(anchor, _) => batch.new_keyframe.is_none() && is_prior(anchor),
+            Change::AnchorAdded(anchor, _) => priors.contains(anchor),
             // One that went with its last keyframe was not deleted by anybody.
             Change::AnchorRemoved(_) => !culls,
             Change::MergeRevoked(undo) => {
