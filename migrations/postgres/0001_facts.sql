@@ -386,7 +386,7 @@ create table versions (
     map_key bigint not null,
     version bigint not null,
     part bigint not null,
-    -- `said`, `moved`, `passing` or `unsaid`.
+    -- `said`, `moved`, `positions`, `passing` or `unsaid`.
     kind text collate "C" not null,
     body bytea not null,
     constraint versions_key primary key (map_key, version, part),

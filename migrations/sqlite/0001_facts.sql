@@ -442,7 +442,8 @@ create table versions (
     -- 0 says what the version said, and makes it count. Those above hold poses and points of a large correction; they are written
     -- first, and wait for their rows. -1 is what models said before this version.
     part integer not null,
-    -- `said`; `moved`: poses and points, or values that were replaced; `passing`: goes once it is in the rows; `unsaid`.
+    -- `said`; `moved`: poses and points, or values that were replaced; `positions` and
+    -- `passing`: go once they are in the rows; `unsaid`.
     kind text not null,
     -- MessagePack, as `store/log/entry.rs` has it.
     body blob not null,

@@ -4,7 +4,7 @@ use proc_macro2::{Literal, TokenStream as Tokens, TokenTree};
 use quote::{ToTokens as _, quote};
 use syn::{Attribute, GenericArgument, Ident, Meta, PathArguments, Type};
 
-/// Where a shape is read from.
+/// The source that a shape is read from.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// A body: JSON.
@@ -24,7 +24,7 @@ pub struct Field {
     bounds: Bounds,
 }
 
-/// What `#[schema(...)]` and `#[param(...)]` bound.
+/// The bounds of `#[schema(...)]` and `#[param(...)]`.
 #[derive(Default)]
 struct Bounds {
     minimum: Option<String>,
@@ -180,7 +180,7 @@ impl Field {
         }
     }
 
-    /// Its value, of a model that is called `of`.
+    /// Returns the expression of its value, of a model that is called `of`.
     pub fn shown(&self, is_borrowed: bool) -> Tokens {
         let ident = self.ident();
         let value = match &self.source {
@@ -199,7 +199,7 @@ impl Field {
         }
     }
 
-    /// What reads it from an object.
+    /// Returns the expression that reads it from an object.
     pub fn reader(&self, source: Source) -> syn::Result<Tokens> {
         let name = self.name();
         let optional = within(&self.declaration.ty, "Option");
@@ -213,7 +213,7 @@ impl Field {
         Ok(quote!(object.optional(#name, |node| #read).map(|found| found.unwrap_or(#default))))
     }
 
-    /// What reads a value of this type from `node`.
+    /// Returns the expression that reads a value of this type from `node`.
     fn read(&self, of: &Type, source: Source) -> syn::Result<Tokens> {
         if let Some(reader) = &self.reader {
             return Ok(quote!((#reader)(node)));

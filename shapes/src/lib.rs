@@ -21,7 +21,7 @@ use quote::quote;
 use syn::parse::{Parse, ParseStream};
 use syn::{Data, DeriveInput, Fields, Path, Token};
 
-/// What the service sends: a schema, and both ways of JSON. What is `None` is left out. `#[answer(of = Model)]`, or `of = &Model`, also
+/// Makes a shape that the service sends: a schema, and both ways of JSON. What is `None` is left out. `#[answer(of = Model)]`, or `of = &Model`, also
 /// makes it of the model's type: a field is that of the same name as it is shown, or what `#[from(...)]` says, in which the model is
 /// `of`; `#[rounded]` rounds a number that was computed.
 #[proc_macro_attribute]
@@ -34,7 +34,7 @@ pub fn answer(model: TokenStream, item: TokenStream) -> TokenStream {
     })
 }
 
-/// What a client sends in a body: as [`macro@answer`], with a decoder that refuses further fields. `#[body(Model)]` also decodes the model's
+/// Makes a shape that a client sends in a body: as [`macro@answer`], with a decoder that refuses further fields. `#[body(Model)]` also decodes the model's
 /// type, by `From`; `#[body(checked Model)]` by the method `checked` of the struct, which may refuse what does not fit together.
 #[proc_macro_attribute]
 pub fn body(model: TokenStream, item: TokenStream) -> TokenStream {
@@ -47,7 +47,7 @@ pub fn body(model: TokenStream, item: TokenStream) -> TokenStream {
     })
 }
 
-/// What a client sends in a query: the parameters in the API document, and their decoder.
+/// Makes a shape that a client sends in a query: the parameters in the API document, and their decoder.
 #[proc_macro_attribute]
 pub fn params(_: TokenStream, item: TokenStream) -> TokenStream {
     expand(item, |shape| {
@@ -132,7 +132,7 @@ impl Shape {
         }
     }
 
-    /// What makes it of the model's type.
+    /// Returns what makes it of the model's type.
     fn made_of(&self, Model { path, is_borrowed }: &Model) -> Tokens {
         let name = &self.input.ident;
         let model = if *is_borrowed { quote!(&#path) } else { quote!(#path) };

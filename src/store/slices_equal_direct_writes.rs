@@ -188,7 +188,7 @@ async fn rows_of(pool: &Pool) -> Vec<String> {
         union all select 'anchor ' || anchor || ' ' || version from anchors
         union all select 'points ' || session || ' ' || block || ' ' || hex(points) from point_blocks
         union all select 'waits ' || map_key from maps where waits_version is not null
-        union all select 'left ' || version || ' ' || part from versions where kind = 'passing'
+        union all select 'left ' || version || ' ' || part from versions where kind in ('passing', 'positions')
         order by 1";
     sql::query_scalar(select).fetch_all(pool).await.unwrap()
 }

@@ -80,7 +80,7 @@ impl History {
         };
         let waiting = &mut history.waiting;
         let take = |changes: Vec<Change>| changes.iter().for_each(|change| waiting.apply(change));
-        deferred::for_each(db, map, take).await?;
+        deferred::for_each(db, map, None, take).await?;
         // Points whose value is known that they have until they are forgotten.
         let mut known = HashSet::new();
         let mut last = 0;

@@ -6,19 +6,17 @@ use std::fs::File;
 
 use sqlx::sqlite::SqlitePoolOptions;
 
-use super::history::{History, Untold};
+use super::history::History;
 use super::introduced::Introduced;
 use super::merges::Merges;
 use crate::domain::change::{Change, Loop, ObservationUpdate};
-use crate::domain::ids::{
-    AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, PointId, PriorId, SessionId, SessionSeq,
-};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, PriorId, SessionId, SessionSeq};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::{NewPrior, Prior};
 use crate::domain::recorded::{NamedDetection, Recorded};
-use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
+use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop};
 use crate::domain::settings::Settings;
-use crate::geometry::{Point3, Pose, Sim3};
+use crate::geometry::Sim3;
 use crate::store::commit::job::MapKey;
 use crate::store::commit::transaction::Transaction;
 use crate::store::files::lock::DatabaseLock;
@@ -29,9 +27,6 @@ use crate::store::log::log_rows;
 use crate::store::rows::{decode, model_rows};
 use crate::store::sql::{self, Pool, Row};
 use crate::store::{Store, StoreError};
-
-/// Values of one correction that an export adds.
-const CORRECTED_AT_ONCE: usize = 10_000;
 
 /// A map's operations, read one after the other.
 pub struct Export {
@@ -44,10 +39,10 @@ pub struct Export {
     pub(super) history: History,
     /// The next keyframe, and the version that it made.
     pub(super) keyframe: Option<(u64, Row)>,
-    /// What the next version said that the log tells of, and that version.
+    /// The next version that the log tells of, and its entries.
     said: Option<(u64, Vec<Entry<'static>>)>,
-    /// What is left to be told of the version that was reached.
-    changes: VecDeque<Change>,
+    /// Changes of the version that was reached which are left to be told.
+    pub(super) changes: VecDeque<Change>,
     /// The version that was reached.
     version: u64,
     /// The last version whose deletion of an object was told.
@@ -183,87 +178,6 @@ impl Export {
         }
         let said = self.models.pop_front().map(|(_, said)| Box::new(said));
         Ok(said.map_or(Step::LeftOut, Step::Operation))
-    }
-
-    /// Begins with what a version said: poses and points that it set are a correction, unless it says them itself.
-    async fn reach(&mut self, changes: Vec<Change>, is_keyframe: bool) -> Result<Step, StoreError> {
-        // A keyframe says its own points, what changes observations moves none, and a merge says how it moves them.
-        let says = |change: &Change| {
-            matches!(
-                change,
-                Change::ObservationsSent(_) | Change::SessionsMerged(_) | Change::MergeRevoked(_)
-            )
-        };
-        let says_itself = is_keyframe || changes.iter().any(says);
-        let (mut poses, mut points) = (Vec::new(), Vec::new());
-        for change in changes {
-            match change {
-                Change::PoseSet(keyframe, pose) => poses.push((keyframe, pose)),
-                Change::PointSet(session, id, at) => points.push((session, id, at)),
-                change => self.changes.push_back(change),
-            }
-        }
-        if says_itself { Ok(Step::LeftOut) } else { self.correction(poses, points).await }
-    }
-
-    /// Ends with one more correction of each session whose poses or points were set while the map kept no history.
-    async fn last_correction(&mut self) -> Result<Step, StoreError> {
-        if self.history.is_whole {
-            return Ok(Step::End);
-        }
-        self.history.is_whole = true;
-        let mut of_sessions: BTreeMap<SessionSeq, Vec<Untold>> = BTreeMap::new();
-        for untold in self.history.untold(&mut self.db).await? {
-            let session = match &untold {
-                Untold::Pose(keyframe, _) => self.named(*keyframe).await?.map(|(session, _)| session),
-                Untold::Point(session, ..) => Some(*session),
-            };
-            of_sessions.entry(session.unwrap_or(SessionSeq(0))).or_default().push(untold);
-        }
-        for untold in of_sessions.into_values() {
-            for some in untold.chunks(CORRECTED_AT_ONCE) {
-                let pose = |untold: &Untold| match untold {
-                    Untold::Pose(keyframe, pose) => Some((*keyframe, *pose)),
-                    Untold::Point(..) => None,
-                };
-                let point = |untold: &Untold| match untold {
-                    Untold::Point(session, id, at) => Some((*session, *id, *at)),
-                    Untold::Pose(..) => None,
-                };
-                let poses = some.iter().filter_map(pose).collect();
-                let points = some.iter().filter_map(point).collect();
-                if let Step::Operation(correction) = self.correction(poses, points).await? {
-                    self.pending.push_back(*correction);
-                }
-            }
-        }
-        Ok(Step::LeftOut)
-    }
-
-    /// Returns the keyframes and points of a correction that are still there.
-    async fn correction(
-        &mut self,
-        poses: Vec<(KeyframeSeq, Pose)>,
-        points: Vec<(SessionSeq, PointId, Point3)>,
-    ) -> Result<Step, StoreError> {
-        let mut session = points.first().map(|(session, ..)| *session);
-        let mut keyframes = Vec::with_capacity(poses.len());
-        for (keyframe, pose) in poses {
-            if let Some((of, id)) = self.named(keyframe).await? {
-                session = Some(of);
-                keyframes.push((id, pose));
-            }
-        }
-        let map_points: Vec<_> = points.into_iter().map(|(_, id, at)| (id, at)).collect();
-        let Some(session) = session.filter(|session| self.begun.contains(session)) else {
-            return Ok(Step::LeftOut);
-        };
-        if keyframes.is_empty() && map_points.is_empty() {
-            return Ok(Step::LeftOut);
-        }
-        self.introduced.add(session, map_points.iter().map(|(id, _)| *id));
-        let session = self.session(session)?.clone();
-        Ok(Step::of(Recorded::Poses(PoseCorrection { session, keyframes, map_points })))
     }
 
     /// Returns what a client said of its points and edges, as far as the keyframes are still there.

@@ -9,7 +9,7 @@ use crate::domain::former::FormerValues;
 use crate::domain::judged::{CropRead, ModelVerdict};
 use crate::store::StoreError;
 
-/// What one part of a version says, and what it replaced.
+/// The changes of one part of a version, and the values that they replaced.
 ///
 /// Its form is MessagePack with the names of fields: a later program reads what an earlier one wrote, as long as what it added has
 /// a default.
@@ -21,12 +21,12 @@ pub(in crate::store) struct Entry<'b> {
     /// The values that the version's changes replaced.
     #[serde(default, skip_serializing_if = "replaces_nothing")]
     pub former: Cow<'b, FormerValues>,
-    /// What models said until then.
+    /// Findings of models that stood until then.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unsaid: Vec<Unsaid>,
 }
 
-/// What a model said, and says otherwise since.
+/// A finding of a model that another one replaced.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::store) enum Unsaid {
     /// Of texts.
@@ -64,9 +64,10 @@ pub(in crate::store) fn to_bytes(value: &impl Serialize) -> Result<Vec<u8>, Stor
 #[cfg(test)]
 pub(in crate::store) mod tests {
     use super::*;
+    use crate::domain::ids::{KeyframeSeq, SessionSeq};
     use crate::domain::map::MapProperties;
     use crate::domain::settings::SettingValue;
-    use crate::geometry::Gravity;
+    use crate::geometry::{Gravity, Point3, Pose};
     use crate::semantics::Patterns;
 
     /// The law of the form: what is written comes back as it was. Asked of all that is written in this crate's own tests.
@@ -74,6 +75,35 @@ pub(in crate::store) mod tests {
         let changes = changes.iter().map(Cow::Borrowed).collect();
         let entry = Entry { changes, former: Cow::Borrowed(former), unsaid: Vec::new() };
         assert_eq!(Entry::of(&entry.to_bytes().expect("bytes")).expect("an entry"), entry);
+    }
+
+    /// The figures of docs/operators.md for `keep_history`.
+    #[test]
+    fn a_corrected_point_takes_about_76_bytes_and_a_pose_146() {
+        let at = |n: f64| Point3::new(n + 0.1, n + 0.2, n + 0.3);
+        let pose = |n: f64| Pose::new([n + 0.1, 0.2, 0.3], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
+        let (point, keyframe) =
+            (|n: u32| (SessionSeq(0), 1000 + i64::from(n)), |n: u32| KeyframeSeq(1000 + n));
+        let bytes = |changes: Vec<Change>, former: FormerValues| {
+            let changes = changes.into_iter().map(Cow::Owned).collect();
+            Entry { changes, former: Cow::Owned(former), unsaid: Vec::new() }.to_bytes().expect("bytes").len()
+        };
+        let points = bytes(
+            (0..100).map(|n| Change::PointSet(point(n).0, point(n).1, at(1.0))).collect(),
+            FormerValues {
+                points: (0..100).map(|n| (point(n).0, point(n).1, Some(at(0.0)))).collect(),
+                ..FormerValues::default()
+            },
+        );
+        let poses = bytes(
+            (0..100).map(|n| Change::PoseSet(keyframe(n), pose(1.0))).collect(),
+            FormerValues {
+                poses: (0..100).map(|n| (keyframe(n), pose(0.0))).collect(),
+                ..FormerValues::default()
+            },
+        );
+        assert!((7_000..8_000).contains(&points), "{points}");
+        assert!((14_000..15_500).contains(&poses), "{poses}");
     }
 
     #[test]

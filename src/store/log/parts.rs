@@ -12,16 +12,18 @@ use crate::geometry::{Point3, Pose};
 /// Changes, or former values, of one part. The small maps of tests have several parts, too.
 const PART: usize = if cfg!(test) { 4 } else { 128 };
 
-/// What a part is for.
+/// The purpose of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::store) enum Kind {
-    /// What was said, and what it replaced: part 0.
+    /// Changes that were said, and the values that they replaced: part 0.
     Said,
-    /// What models said before.
+    /// Findings of models that were replaced.
     Unsaid,
     /// Poses and points that were set, or values that were replaced. They stay.
     Moved,
-    /// What stays only until it is in the rows.
+    /// Positions of detections, until they are in the rows.
+    Positions,
+    /// Anything else until it is in the rows.
     Passing,
 }
 
@@ -31,6 +33,7 @@ impl Kind {
             Self::Said => "said",
             Self::Unsaid => "unsaid",
             Self::Moved => "moved",
+            Self::Positions => "positions",
             Self::Passing => "passing",
         }
     }
@@ -95,8 +98,11 @@ pub(in crate::store) fn moved<'c>(
         }
     }
     let part = |changes: &[Cow<'c, Change>]| {
-        let stays = keeps_history && matches!(*changes[0], Change::PoseSet(..) | Change::PointSet(..));
-        let kind = if stays { Kind::Moved } else { Kind::Passing };
+        let kind = match *changes[0] {
+            Change::PoseSet(..) | Change::PointSet(..) if keeps_history => Kind::Moved,
+            Change::PositionSet(..) => Kind::Positions,
+            _ => Kind::Passing,
+        };
         Part { kind, entry: Entry { changes: changes.to_vec(), ..Entry::default() } }
     };
     kinds.iter().flat_map(|of_kind| of_kind.chunks(PART)).map(part).collect()

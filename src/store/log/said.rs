@@ -1,4 +1,4 @@
-//! What was said: the changes of a version that its rows do not tell.
+//! Said: the changes of a version that its rows do not tell.
 
 use std::borrow::Cow;
 use std::collections::HashSet;

@@ -102,7 +102,7 @@ async fn forget_session(
     Ok(Some(SessionSeq(number)))
 }
 
-/// What the log may still name.
+/// The keyframes, anchors, points and loops that the log may still name.
 struct Standing {
     keyframes: BTreeSet<KeyframeSeq>,
     anchors: BTreeSet<AnchorSeq>,

@@ -1,4 +1,4 @@
-//! What models said before: verdicts and readings that newer ones replaced. The log keeps them, so that older answers stay
+//! Unsaid: verdicts and readings that newer ones replaced. The log keeps them, so that older answers stay
 //! explained.
 
 use futures_util::TryStreamExt as _;

@@ -20,7 +20,7 @@ use crate::store::commit::cost;
 use crate::store::commit::job::{Batch, Job, MapKey};
 use crate::store::log::entry::Entry;
 use crate::store::log::log_rows::{self, COUNTS, FIRST_PART};
-use crate::store::log::parts::{self, can_wait, is_ordered};
+use crate::store::log::parts::{self, Kind, can_wait, is_ordered};
 use crate::store::rows::statement::run;
 use crate::store::rows::validate::Known;
 use crate::store::sql::{self, Connection};
@@ -76,15 +76,8 @@ pub(in crate::store) async fn any(db: &mut Connection, map: MapKey) -> Result<bo
     Ok(sql::query_scalar(select).bind(map).fetch_optional(db).await?.unwrap_or(false))
 }
 
-/// Returns the statement that finds a map's next part that waits, after a version and part.
-fn next_waiting() -> String {
-    format!(
-        "select v.version, v.part, v.kind, v.body from versions v join maps m using (map_key)
-        where v.map_key = $1 and (v.version, v.part) >= (m.waits_version, m.waits_part)
-            and (v.version, v.part) > ($2, $3) and v.kind in ('moved', 'passing') and v.part > 0 and {COUNTS}
-        order by v.version, v.part limit 1"
-    )
-}
+/// Parts that are read at a time.
+const PARTS_AT_ONCE: i64 = 64;
 
 /// A part that waits for its rows.
 pub(super) struct Waiting {
@@ -93,32 +86,46 @@ pub(super) struct Waiting {
     pub entry: Entry<'static>,
 }
 
-/// Returns the first part of a map that waits, after one.
+/// Returns the first parts of a map that wait, after one; of every kind, or of one.
 pub(super) async fn waiting_after(
     db: &mut Connection,
     map: MapKey,
     (version, part): (i64, i64),
-) -> Result<Option<Waiting>, StoreError> {
-    let query = sql::query_as(AssertSqlSafe(next_waiting())).bind(map).bind(version).bind(part);
-    let found: Option<(i64, i64, String, Vec<u8>)> = query.fetch_optional(db).await?;
+    kind: Option<Kind>,
+    limit: i64,
+) -> Result<Vec<Waiting>, StoreError> {
+    let select = format!(
+        "select v.version, v.part, v.kind, v.body from versions v join maps m using (map_key)
+        where v.map_key = $1 and (v.version, v.part) >= (m.waits_version, m.waits_part)
+            and (v.version, v.part) > ($2, $3) and v.kind <> 'said' and v.part > 0 and v.kind = coalesce($4, v.kind)
+            and {COUNTS} order by v.version, v.part limit $5"
+    );
+    let query = sql::query_as(AssertSqlSafe(select)).bind(map).bind(version).bind(part);
+    let rows: Vec<(i64, i64, String, Vec<u8>)> =
+        query.bind(kind.map(Kind::as_str)).bind(limit).fetch_all(db).await?;
     let waiting = |(version, part, kind, body): (i64, i64, String, Vec<u8>)| {
         Ok(Waiting { at: (version, part), kind, entry: Entry::of(&body)? })
     };
-    found.map(waiting).transpose()
+    rows.into_iter().map(waiting).collect()
 }
 
-/// Takes a map's deferred changes, in their order and part by part: together they may be more than memory holds.
+/// Takes a map's deferred changes, of every kind or of one, in their order and some parts at a time: together they may be more than
+/// memory holds.
 pub(in crate::store) async fn for_each(
     db: &mut Connection,
     map: MapKey,
+    kind: Option<Kind>,
     mut take: impl FnMut(Vec<Change>) + Send,
 ) -> Result<(), StoreError> {
     let mut last = (0, 0);
-    while let Some(waiting) = waiting_after(db, map, last).await? {
-        last = waiting.at;
-        take(waiting.entry.changes.into_iter().map(Cow::into_owned).collect());
+    loop {
+        let parts = waiting_after(db, map, last, kind, PARTS_AT_ONCE).await?;
+        let Some(part) = parts.last() else { return Ok(()) };
+        last = part.at;
+        for part in parts {
+            take(part.entry.changes.into_iter().map(Cow::into_owned).collect());
+        }
     }
-    Ok(())
 }
 
 /// Tells a map's deferred changes on top of its rows.
@@ -140,7 +147,7 @@ pub(in crate::store) async fn apply(
         });
         take(changes);
     };
-    for_each(db, map, take).await
+    for_each(db, map, None, take).await
 }
 
 /// Returns the deferred positions of a keyframe's detections, the latest last.
@@ -159,7 +166,7 @@ pub(in crate::store) async fn positions(
                 _ => None,
             }));
         };
-        for_each(db, map, take).await?;
+        for_each(db, map, Some(Kind::Positions), take).await?;
     }
     Ok(found)
 }

@@ -14,7 +14,7 @@ use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
 use crate::store::sql::{self, Connection};
 
-/// What a part costs beside its changes, as so many of them.
+/// The cost of a part beside its changes, as so many of them.
 const PART_CHANGES: usize = 4;
 
 /// More versions than this are folded as fast as clients write.
@@ -43,7 +43,7 @@ pub(in crate::store) async fn fold(
             None => first_map(db).await?,
         };
         let Some(map) = map else { break };
-        let Some(waiting) = deferred::waiting_after(db, map, (0, 0)).await? else { break };
+        let Some(waiting) = deferred::waiting_after(db, map, (0, 0), None, 1).await?.pop() else { break };
         left = left.saturating_sub(waiting.entry.changes.len() + PART_CHANGES);
         fold_part(db, map, waiting).await?;
     }
@@ -69,13 +69,13 @@ pub(in crate::store) async fn is_behind(db: &mut Connection) -> Result<bool, Sto
 async fn fold_part(db: &mut Connection, map: MapKey, part: Waiting) -> Result<(), StoreError> {
     let (version, number) = part.at;
     write(db, map, part.entry.changes.into_iter().map(std::borrow::Cow::into_owned)).await?;
-    if part.kind == Kind::Passing.as_str() {
+    if part.kind != Kind::Moved.as_str() {
         let delete = "delete from versions where map_key = $1 and version = $2 and part = $3";
         run(db, sql::query(delete).bind(map).bind(version).bind(number)).await?;
     }
     let select = format!(
         "select version, part from versions v where map_key = $1 and (version, part) > ($2, $3)
-            and kind in ('moved', 'passing') and part > 0 and {COUNTS} order by version, part limit 1"
+            and part > 0 and {COUNTS} order by version, part limit 1"
     );
     let next = sql::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(version).bind(number);
     let next: Option<(i64, i64)> = next.fetch_optional(&mut *db).await?;
