@@ -2,7 +2,7 @@
 
 use tokio::task::spawn_blocking;
 
-use super::{Service, ServiceError};
+use super::{Result, Service, ServiceError};
 use crate::config::logging::in_span;
 use crate::domain::keyframe::NewKeyframe;
 use crate::recognition::anchors::ingest::other_vocabulary;
@@ -11,7 +11,7 @@ use crate::recognition::map::index::MapIndex;
 impl Service {
     /// Computes the bag of words of a keyframe that came with features and without words, if the server has a
     /// vocabulary.
-    pub(super) async fn compute_bow(&self, keyframe: NewKeyframe) -> Result<NewKeyframe, ServiceError> {
+    pub(super) async fn compute_bow(&self, keyframe: NewKeyframe) -> Result<NewKeyframe> {
         let Some(vocabulary) = self.vocabulary.clone() else { return Ok(keyframe) };
         if keyframe.vocabulary.is_some() || keyframe.features.is_none() {
             return Ok(keyframe);
@@ -28,7 +28,7 @@ impl Service {
 }
 
 /// Refuses a keyframe whose words belong to another vocabulary than the map's.
-pub(super) fn check_vocabulary(index: &MapIndex, keyframe: &NewKeyframe) -> Result<(), ServiceError> {
+pub(super) fn check_vocabulary(index: &MapIndex, keyframe: &NewKeyframe) -> Result<()> {
     let Some(ours) = other_vocabulary(index.vocabulary(), keyframe) else { return Ok(()) };
     let theirs = keyframe.vocabulary.as_deref().unwrap_or_default();
     let detail = format!(

@@ -22,7 +22,7 @@ use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, PointId, Sessio
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::write_path::Manner;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::loop_closure::revoke_loop;
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
@@ -69,7 +69,7 @@ impl Service {
     }
 
     /// Goes on with the erasures of maps that came to this server, if nothing is being erased.
-    pub(in crate::engine) async fn take_erasures_on(&self) -> Result<(), ServiceError> {
+    pub(in crate::engine) async fn take_erasures_on(&self) -> Result<()> {
         if self.erasing.try_lock().is_ok() && !self.erasures_here().await?.is_empty() {
             self.erase_in_background();
         }
@@ -77,7 +77,7 @@ impl Service {
     }
 
     /// Returns the erasures that are not done, of the maps that are this server's or should be.
-    async fn erasures_here(&self) -> Result<Vec<OpenErasure>, ServiceError> {
+    async fn erasures_here(&self) -> Result<Vec<OpenErasure>> {
         let mut here = Vec::new();
         for erasure in self.store.open_erasures().await? {
             if self.is_here(&erasure.map).await {
@@ -88,12 +88,12 @@ impl Service {
     }
 
     /// Has this server own a map, where others could: what is written of it would be refused. To be held until that is on disk.
-    pub(in crate::engine) async fn own(&self, map: &MapId) -> Result<Option<Arc<LiveMap>>, ServiceError> {
+    pub(in crate::engine) async fn own(&self, map: &MapId) -> Result<Option<Arc<LiveMap>>> {
         if self.store.is_shared() { self.live_in_background(map).await.map(Some) } else { Ok(None) }
     }
 
     /// Does all that is asked for by now, and rewrites the file once, or waits until it may. Returns whether there was anything.
-    async fn erase_next(&self, rewritable: &mut Option<Instant>) -> Result<bool, ServiceError> {
+    async fn erase_next(&self, rewritable: &mut Option<Instant>) -> Result<bool> {
         let open = self.erasures_here().await?;
         if open.is_empty() {
             return Ok(false);
@@ -136,7 +136,7 @@ impl Service {
     }
 
     /// Makes the database's file and its log anew, without what was deleted from them. Returns how long writes waited for it.
-    async fn rewrite(&self) -> Result<Duration, ServiceError> {
+    async fn rewrite(&self) -> Result<Duration> {
         // Rows of deleted maps go in slices; those of later ones have no end.
         let deleted = self.store.deleted_maps().await?;
         while self.store.deleted_maps().await?.iter().any(|key| deleted.contains(key)) {
@@ -152,7 +152,7 @@ impl Service {
     }
 
     /// Removes what is asked from the map and its releases, and every trace of it.
-    async fn remove(&self, erasure: &OpenErasure, asked: &NewErasure) -> Result<(), ServiceError> {
+    async fn remove(&self, erasure: &OpenErasure, asked: &NewErasure) -> Result<()> {
         // A copy under way would have it from its snapshot.
         let _no_copy = self.copying.write().await;
         let live = self.live(&erasure.map).await?;
@@ -198,17 +198,12 @@ impl Service {
         self.step(erasure, ErasureStep::Removed).await
     }
 
-    async fn step(&self, erasure: &OpenErasure, step: ErasureStep) -> Result<(), ServiceError> {
+    async fn step(&self, erasure: &OpenErasure, step: ErasureStep) -> Result<()> {
         Ok(self.store.committer().commit(Job::Erase(erasure.key, erasure.number, step)).await?)
     }
 
     /// Counts what is to be removed, before the first of it is: an erasure may be broken off, and go on elsewhere.
-    async fn count(
-        &self,
-        erasure: &OpenErasure,
-        asked: &NewErasure,
-        maps: &[Arc<LiveMap>],
-    ) -> Result<(), ServiceError> {
+    async fn count(&self, erasure: &OpenErasure, asked: &NewErasure, maps: &[Arc<LiveMap>]) -> Result<()> {
         let (mut keyframes, mut releases) = (0, Vec::new());
         for live in maps {
             let asked = asked.clone();
@@ -224,7 +219,7 @@ impl Service {
     }
 
     /// Deletes the keyframes, the loops that name them, and the positions of their sessions' map points.
-    async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<(), ServiceError> {
+    async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<()> {
         // What a robot sends meanwhile stays, so that there is an end.
         let end = self.read(live, |state: &State| Ok(state.index.next_keyframe())).await?.1;
         loop {

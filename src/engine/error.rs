@@ -5,6 +5,9 @@ use thiserror::Error;
 use crate::domain::invalid::FieldError;
 use crate::store::StoreError;
 
+/// The result of a use case, or the error that it answers with instead.
+pub type Result<T, E = ServiceError> = std::result::Result<T, E>;
+
 /// Why a request was not served.
 #[derive(Clone, Debug, Error)]
 pub enum ServiceError {

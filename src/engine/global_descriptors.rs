@@ -1,14 +1,11 @@
 //! The rule that the global descriptors of a map can all be compared: one model, one encoding, one size.
 
-use super::ServiceError;
+use super::{Result, ServiceError};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::recognition::map::index::MapIndex;
 
 /// Refuses a global descriptor that cannot be compared with those of the map.
-pub(super) fn check_global_descriptor(
-    index: &MapIndex,
-    descriptor: Option<&GlobalDescriptor>,
-) -> Result<(), ServiceError> {
+pub(super) fn check_global_descriptor(index: &MapIndex, descriptor: Option<&GlobalDescriptor>) -> Result<()> {
     let (Some(theirs), Some(ours)) = (descriptor, index.globals().form()) else { return Ok(()) };
     if theirs.is_of(ours) {
         return Ok(());

@@ -39,7 +39,7 @@ mod verdict_counts;
 
 pub use backups::folder::BackupMade;
 pub use cluster::routing::Route;
-pub use error::ServiceError;
+pub use error::{Result, ServiceError};
 pub use maps::feeds::Listener;
 pub use maps::pinned::PinnedMap;
 pub use operations::export::MapExport;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use tokio::task::spawn_blocking;
 
-use super::error::ServiceError;
+use super::error::{Result, ServiceError};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
 use crate::vocabulary::Vocabulary;
@@ -18,7 +18,7 @@ pub(super) struct NamedVocabulary {
 
 impl NamedVocabulary {
     /// Loads a vocabulary; a million words take a moment, off the async threads.
-    pub async fn load(path: PathBuf) -> Result<Self, ServiceError> {
+    pub async fn load(path: PathBuf) -> Result<Self> {
         let loaded = spawn_blocking(move || {
             let vocabulary =
                 Vocabulary::load(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -28,7 +28,7 @@ impl NamedVocabulary {
     }
 
     /// Computes the bag of words of a keyframe from its features, if it has any.
-    pub fn compute_bow(&self, mut keyframe: NewKeyframe) -> Result<NewKeyframe, ServiceError> {
+    pub fn compute_bow(&self, mut keyframe: NewKeyframe) -> Result<NewKeyframe> {
         let Some(features) = &keyframe.features else { return Ok(keyframe) };
         let invalid = |detail: String| {
             ServiceError::Invalid(vec![FieldError::new("/features/descriptor_bytes", detail)])

@@ -8,7 +8,7 @@ use tokio_util::sync::CancellationToken;
 use super::cluster::followers::Followers;
 use super::descriptions::judgement_runner::JudgementRunner;
 use super::descriptions::round::Round;
-use super::error::ServiceError;
+use super::error::{Result, ServiceError};
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
@@ -27,7 +27,7 @@ const HANDED_ON_AT_ONCE: usize = 4;
 
 impl Service {
     /// Opens the database, and starts background tasks. Maps are loaded on first use.
-    pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
+    pub async fn open(options: ServiceOptions) -> Result<Self> {
         let vocabulary = match options.vocabulary {
             Some(path) => Some(Arc::new(NamedVocabulary::load(path).await?)),
             None => None,
@@ -99,7 +99,7 @@ impl Service {
 }
 
 /// Opens the configured models. Without models no map waits for one, whatever an earlier process noted.
-async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models>, ServiceError> {
+async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models>> {
     let models = match choice {
         ModelChoice::None => None,
         #[cfg(feature = "llm")]

@@ -20,7 +20,7 @@ use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::settings::Settings;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Recorder;
 use crate::recognition::map::redundancy::find_redundant;
@@ -50,7 +50,7 @@ impl Service {
     }
 
     /// Looks at every map once.
-    async fn let_go(&self) -> Result<(), ServiceError> {
+    async fn let_go(&self) -> Result<()> {
         let mut after: Option<MapId> = None;
         loop {
             let ids = self.store.map_ids(after.as_ref(), MAPS_AT_ONCE).await?;
@@ -70,7 +70,7 @@ impl Service {
         }
     }
 
-    async fn let_go_of(&self, map: &MapId, settings: &Settings) -> Result<(), ServiceError> {
+    async fn let_go_of(&self, map: &MapId, settings: &Settings) -> Result<()> {
         if !self.is_here(map).await {
             return Ok(());
         }
@@ -98,7 +98,7 @@ impl Service {
     }
 
     /// Has parts of keyframes forgotten, in one version of the map. Returns whether there were any.
-    async fn forget_parts(&self, map: &MapId, parts: Vec<ForgottenParts>) -> Result<bool, ServiceError> {
+    async fn forget_parts(&self, map: &MapId, parts: Vec<ForgottenParts>) -> Result<bool> {
         if parts.is_empty() {
             return Ok(false);
         }
@@ -122,7 +122,7 @@ impl Service {
     }
 
     /// Deletes redundant keyframes that were stored before this second.
-    async fn thin(&self, map: &MapId, before_sec: i64) -> Result<(), ServiceError> {
+    async fn thin(&self, map: &MapId, before_sec: i64) -> Result<()> {
         let mut from = KeyframeSeq(0);
         loop {
             let live: Arc<LiveMap> = self.live_in_background(map).await?;

@@ -12,7 +12,7 @@ use super::cluster::followers::Followers;
 use super::cluster::membership::Membership;
 use super::descriptions::rejudging::Rejudging;
 use super::descriptions::worker::Worker;
-use super::error::ServiceError;
+use super::error::{Result, ServiceError};
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::limits::key_bytes::KeyBytes;
@@ -93,7 +93,7 @@ impl Service {
     }
 
     /// Fails if the service is closed. It asks memory only, so that it answers under any load.
-    pub fn ready(&self) -> Result<(), ServiceError> {
+    pub fn ready(&self) -> Result<()> {
         if self.store.is_closed() { Err(ServiceError::closed()) } else { Ok(()) }
     }
 
@@ -108,12 +108,12 @@ impl Service {
     }
 
     /// Returns the version of PostgreSQL, where that keeps the facts.
-    pub async fn postgres_version(&self) -> Result<Option<String>, ServiceError> {
+    pub async fn postgres_version(&self) -> Result<Option<String>> {
         Ok(self.store.postgres_version().await?)
     }
 
     /// Returns a map for a client, loaded if it was not in memory.
-    pub(super) async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+    pub(super) async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>> {
         let was_in_memory = self.registry.in_memory_now(id).is_some();
         self.should_have(id, was_in_memory).await?;
         let live = self.registry.get(&self.store, id, Used::ByClient).await?;
@@ -130,7 +130,7 @@ impl Service {
     }
 
     /// Returns the key of the map that has this name now; the map need not be in memory.
-    pub(super) async fn key_of(&self, id: &MapId) -> Result<MapKey, ServiceError> {
+    pub(super) async fn key_of(&self, id: &MapId) -> Result<MapKey> {
         if let Some(live) = self.registry.in_memory_now(id) {
             return Ok(live.key);
         }
@@ -138,17 +138,13 @@ impl Service {
     }
 
     /// Returns a map for background work: it does not count as used.
-    pub(super) async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+    pub(super) async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>> {
         self.should_have(id, self.registry.in_memory_now(id).is_some()).await?;
         self.registry.get(&self.store, id, Used::InBackground).await
     }
 
     /// Fails for a map that is not in memory where another server should have it.
-    pub(in crate::engine) async fn should_have(
-        &self,
-        id: &MapId,
-        is_in_memory: bool,
-    ) -> Result<(), ServiceError> {
+    pub(in crate::engine) async fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<()> {
         let Some(membership) = self.membership.get().filter(|_| !self.follows && !is_in_memory) else {
             return Ok(());
         };

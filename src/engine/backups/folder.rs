@@ -19,7 +19,7 @@ use crate::config::logging::in_span;
 use crate::domain::ids::BackupId;
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::BackupReport;
-use crate::engine::error::ServiceError;
+use crate::engine::error::{Result, ServiceError};
 use crate::integrity::backup::{Copied, Copy, PARTIAL, sync_folder};
 use crate::store::StoreError;
 use crate::store::files::paths::DatabaseFiles;
@@ -59,7 +59,7 @@ pub struct BackupMade {
 
 impl BackupFolder {
     /// Opens a folder that keeps up to `kept` backups; makes it if it is not there.
-    pub fn open(folder: &Path, kept: usize) -> Result<Self, ServiceError> {
+    pub fn open(folder: &Path, kept: usize) -> Result<Self> {
         let failed = |error: std::io::Error| ServiceError::Internal(format!("{}: {error}", folder.display()));
         fs::create_dir_all(folder).map_err(failed)?;
         let backups = Self {
@@ -74,7 +74,7 @@ impl BackupFolder {
     }
 
     /// Admits a backup to be taken; refuses it while another one is.
-    pub fn enter(&self) -> Result<OwnedSemaphorePermit, ServiceError> {
+    pub fn enter(&self) -> Result<OwnedSemaphorePermit> {
         self.one_at_a_time.clone().try_acquire_owned().map_err(|_| {
             let detail = "another backup is being taken".to_owned();
             ServiceError::Unavailable { detail, retry_after_s: BUSY_RETRY_S }
@@ -87,11 +87,7 @@ impl BackupFolder {
     }
 
     /// Takes a backup, or finds the one of this name; older ones make room for it.
-    pub async fn make(
-        self: Arc<Self>,
-        files: &DatabaseFiles,
-        id: Option<BackupId>,
-    ) -> Result<BackupMade, ServiceError> {
+    pub async fn make(self: Arc<Self>, files: &DatabaseFiles, id: Option<BackupId>) -> Result<BackupMade> {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let created = Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() };
         let id = match id {
@@ -125,14 +121,14 @@ impl BackupFolder {
     }
 
     /// Copies and checks off the async threads: the check builds the index of every map.
-    async fn copied(&self, files: &DatabaseFiles) -> Result<Copy, ServiceError> {
+    async fn copied(&self, files: &DatabaseFiles) -> Result<Copy> {
         let (files, folder, runtime) = (files.clone(), self.folder.clone(), Handle::current());
         let copy = move || runtime.block_on(Copy::of(&files, &folder));
         Ok(spawn_blocking(in_span(copy)).await.map_err(ServiceError::panicked)??)
     }
 
     /// Keeps a copy that has faults, in place of an earlier one of the kind, where nobody takes it for a backup.
-    fn keep_damaged(&self, id: &BackupId, copy: Copy) -> Result<BackupMade, ServiceError> {
+    fn keep_damaged(&self, id: &BackupId, copy: Copy) -> Result<BackupMade> {
         let faults = copy.faults().to_vec();
         copy.place(&self.folder.join(LATEST_DAMAGED), true)?;
         for fault in faults.iter().take(FAULTS_TOLD) {
@@ -153,7 +149,7 @@ impl BackupFolder {
         self.folder.join(format!("{id}.json"))
     }
 
-    fn free_id(&self, created: Stamp) -> Result<BackupId, ServiceError> {
+    fn free_id(&self, created: Stamp) -> Result<BackupId> {
         let names = (0_u32..).map(|again| match again {
             0 => format!("b-{}", created.sec),
             again => format!("b-{}-{again}", created.sec),
@@ -164,7 +160,7 @@ impl BackupFolder {
     }
 
     /// Writes the note, before the copy has its name: a note without a backup is passed over, a backup without a note would be.
-    fn write_note(&self, report: &BackupReport) -> Result<(), ServiceError> {
+    fn write_note(&self, report: &BackupReport) -> Result<()> {
         let failed =
             |error: &std::io::Error| ServiceError::from(StoreError::file(&self.note(&report.id), error));
         let bytes = serde_json::to_vec(&Note::of(report)).unwrap_or_default();
@@ -185,7 +181,7 @@ impl BackupFolder {
     }
 
     /// Returns the backups, the newest first.
-    pub fn list(&self) -> Result<Vec<BackupReport>, ServiceError> {
+    pub fn list(&self) -> Result<Vec<BackupReport>> {
         let entries = fs::read_dir(&self.folder).map_err(|error| StoreError::file(&self.folder, &error))?;
         let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
         let ids = names.filter_map(|name| name.strip_suffix(".json")?.parse::<BackupId>().ok());
@@ -199,10 +195,7 @@ impl BackupFolder {
         self.newest_s.store(newest, Ordering::Relaxed);
     }
 
-    fn remove_all_but_the_newest(
-        &self,
-        newest_first: Vec<BackupReport>,
-    ) -> Result<Vec<BackupId>, ServiceError> {
+    fn remove_all_but_the_newest(&self, newest_first: Vec<BackupReport>) -> Result<Vec<BackupId>> {
         let mut removed = Vec::new();
         for report in newest_first.into_iter().skip(self.kept) {
             self.remove(&report.id)?;
@@ -213,7 +206,7 @@ impl BackupFolder {
     }
 
     /// Deletes a backup; false if there is none of this name.
-    pub fn delete(&self, id: &BackupId) -> Result<bool, ServiceError> {
+    pub fn delete(&self, id: &BackupId) -> Result<bool> {
         if self.find(id).is_none() {
             return Ok(false);
         }

@@ -12,7 +12,7 @@ use tokio::time::{Instant, sleep, timeout_at};
 use super::routing::Route;
 use crate::domain::ids::MapId;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::{GivenAnswer, News};
 
 /// The longest wait for a version that is not there yet.
@@ -52,7 +52,7 @@ impl Service {
     }
 
     /// Waits until a map has this version, for two seconds at most; fails if it has not.
-    pub async fn reach(&self, map: &MapId, version: u64) -> Result<(), ServiceError> {
+    pub async fn reach(&self, map: &MapId, version: u64) -> Result<()> {
         self.reach_with(map, version, Effort::Little).await
     }
 
@@ -62,7 +62,7 @@ impl Service {
         map: &MapId,
         version: u64,
         effort: Effort,
-    ) -> Result<(), ServiceError> {
+    ) -> Result<()> {
         let deadline = Instant::now() + WAITS;
         let mut has_looked = false;
         loop {
@@ -97,7 +97,7 @@ impl Service {
     }
 
     /// Returns the copy of a map, if it is loaded in time. It goes on loading, for the next one who asks.
-    async fn live_by(&self, map: &MapId, deadline: Instant) -> Result<Arc<LiveMap>, ServiceError> {
+    async fn live_by(&self, map: &MapId, deadline: Instant) -> Result<Arc<LiveMap>> {
         if !self.follows || self.registry.in_memory_now(map).is_some() {
             return self.live(map).await;
         }
@@ -111,7 +111,7 @@ impl Service {
     }
 
     /// Returns a map for reading, wherever it is: of another server's, a copy that is as new as what was on disk at the call.
-    pub(in crate::engine) async fn live_or_copy(&self, map: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+    pub(in crate::engine) async fn live_or_copy(&self, map: &MapId) -> Result<Arc<LiveMap>> {
         if self.follows || self.route(map).await? == Route::Here {
             return self.live(map).await;
         }
@@ -122,11 +122,7 @@ impl Service {
     }
 
     /// Brings a copy up to date; if the log does not tell enough, the next request loads it anew.
-    pub(in crate::engine) async fn keep_up(
-        &self,
-        live: &Arc<LiveMap>,
-        effort: Effort,
-    ) -> Result<(), ServiceError> {
+    pub(in crate::engine) async fn keep_up(&self, live: &Arc<LiveMap>, effort: Effort) -> Result<()> {
         let Some((rewrites, since)) = live.standing.followed_since() else { return Ok(()) };
         // One at a time takes over what is new.
         let _lane = live.lane.lock().await;
@@ -201,7 +197,7 @@ impl Service {
     }
 
     /// Keeps the answers that followers gave of the maps that are this server's, or should be.
-    pub(super) async fn keep_answers_of_followers(&self) -> Result<(), ServiceError> {
+    pub(super) async fn keep_answers_of_followers(&self) -> Result<()> {
         for map in self.store.maps_with_answers().await? {
             if let Err(error) = self.keep_answers_of(&map).await {
                 tracing::debug!(%map, %error, "answers of followers were not kept");
@@ -210,7 +206,7 @@ impl Service {
         Ok(())
     }
 
-    async fn keep_answers_of(&self, map: &MapId) -> Result<(), ServiceError> {
+    async fn keep_answers_of(&self, map: &MapId) -> Result<()> {
         if !self.is_here(map).await {
             return Ok(());
         }

@@ -7,7 +7,7 @@ use tokio::task::spawn_blocking;
 
 use super::membership::Membership;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 
 /// Maps that go at each renewal: each is loaded anew where it goes.
 const AT_ONCE: usize = 8;
@@ -29,7 +29,7 @@ impl Service {
     }
 
     /// Lets a map go, once all that was decided is on disk. Nobody reads it from memory when the lease is given back.
-    async fn hand_over(&self, live: Arc<LiveMap>) -> Result<(), ServiceError> {
+    async fn hand_over(&self, live: Arc<LiveMap>) -> Result<()> {
         let _lane = live.lane.lock().await;
         let (store, runtime, leaving) = (self.store.clone(), Handle::current(), live.clone());
         spawn_blocking(move || leaving.leave_memory(&store, &runtime))

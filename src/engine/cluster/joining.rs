@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::membership::Membership;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::Node;
 
 /// The time between two renewals: a lease of ten seconds outlives two that fail.
@@ -13,7 +13,7 @@ const RENEWED_EVERY: Duration = Duration::from_secs(3);
 impl Service {
     /// Takes this server's place among those that share its database, where they do: from now on it has the maps that should be
     /// its own, and others reach it at this address (`http://HOST:PORT`).
-    pub async fn join(&self, address: String) -> Result<(), ServiceError> {
+    pub async fn join(&self, address: String) -> Result<()> {
         let Some(leases) = self.store.leases() else { return Ok(()) };
         let this = Node::new(leases.node(), address);
         self.store.succeed(&this).await?;

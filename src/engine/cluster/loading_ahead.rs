@@ -4,7 +4,7 @@
 //! as any copy that nobody asks for.
 
 use crate::domain::ids::MapId;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::Node;
 
 impl Service {
@@ -29,7 +29,7 @@ impl Service {
         });
     }
 
-    async fn load_copy_of(&self, map: &MapId) -> Result<(), ServiceError> {
+    async fn load_copy_of(&self, map: &MapId) -> Result<()> {
         let about = self.store.map_memory(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
         let (copies, owned) = (&self.registry.memory, &self.owned.memory);
         // A large one may take what it will take as this server's own, while there is no other copy.

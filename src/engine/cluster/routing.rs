@@ -6,7 +6,7 @@ use tokio::time::timeout;
 
 use super::membership::Membership;
 use crate::domain::ids::MapId;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::{Lease, Node, Owner};
 
 /// The longest wait for the database to say who owns a map that is in memory.
@@ -23,7 +23,7 @@ pub enum Route {
 
 impl Service {
     /// Returns where a request about a map is answered.
-    pub async fn route(&self, map: &MapId) -> Result<Route, ServiceError> {
+    pub async fn route(&self, map: &MapId) -> Result<Route> {
         let Some(membership) = self.membership.get() else { return Ok(Route::Here) };
         if let Some(live) = self.registry.in_memory_now(map) {
             if live.lease().is_none_or(Lease::is_valid) {
@@ -42,7 +42,7 @@ impl Service {
         self.route_by_owner(membership, map).await
     }
 
-    async fn route_by_owner(&self, membership: &Membership, map: &MapId) -> Result<Route, ServiceError> {
+    async fn route_by_owner(&self, membership: &Membership, map: &MapId) -> Result<Route> {
         if let Some(node) = membership.owner_before(map) {
             return Ok(Route::At(node));
         }

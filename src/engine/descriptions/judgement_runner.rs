@@ -14,7 +14,7 @@ use crate::domain::ids::{JudgementId, MapId};
 use crate::domain::judged::Answer;
 use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
 use crate::engine::maps::live::{Decision, LiveMap};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::llm::Models;
 use crate::recognition::anchors::apply_model_answer::Learned;
 use crate::recognition::anchors::description_tasks::DescriptionTask;
@@ -82,7 +82,7 @@ impl JudgementRunner {
     }
 
     /// Asks the next questions of a job, and keeps the answers.
-    async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step, ServiceError> {
+    async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step> {
         if !self.service.is_here(map).await {
             return Ok(Step::Waits);
         }
@@ -125,7 +125,7 @@ impl JudgementRunner {
         &self,
         live: &Arc<LiveMap>,
         job: &Judgement,
-    ) -> Result<Vec<(PastQuestion, Option<DescriptionTask>)>, ServiceError> {
+    ) -> Result<Vec<(PastQuestion, Option<DescriptionTask>)>> {
         let service = &self.service;
         // One question tells whether a model is back.
         let hands = if service.must_wait(live) { 1 } else { self.models.jobs_at_once };
@@ -172,7 +172,7 @@ impl JudgementRunner {
         live: &Arc<LiveMap>,
         answers: Vec<Answer>,
         progress: JudgementProgress,
-    ) -> Result<(), ServiceError> {
+    ) -> Result<()> {
         let decide = move |index: &mut _| {
             let Learned { decided, triggers } = rejudge(index, answers, progress);
             Ok(Decision::Changed(triggers, decided, None))

@@ -15,7 +15,7 @@ use super::access::{Access, HeldKey, KeyUse};
 use crate::domain::key::{Action, Key, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 use crate::store::{KeyTable, Store, StoreError};
 
 /// What another process did is seen after this time at the latest.
@@ -68,7 +68,7 @@ pub struct Keyring {
 impl Keyring {
     /// Returns the keys of a database. Where `required`, nobody is admitted without one; else only once there has been
     /// one.
-    pub async fn open(store: Store, required: bool) -> Result<Self, ServiceError> {
+    pub async fn open(store: Store, required: bool) -> Result<Self> {
         let keyring = Self {
             table: Arc::default(),
             looked: Arc::new(Mutex::new(Instant::now())),
@@ -177,7 +177,7 @@ impl Keyring {
     }
 
     /// One part of the list, from a cursor on.
-    pub fn page(&self, cursor: Option<&str>, limit: usize) -> Result<Page<Key>, ServiceError> {
+    pub fn page(&self, cursor: Option<&str>, limit: usize) -> Result<Page<Key>> {
         let from = match cursor {
             Some(cursor) => KeySeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
             None => KeySeq(0),
@@ -226,7 +226,7 @@ impl Keyring {
         Ok(())
     }
 
-    pub(super) async fn reload(&self) -> Result<(), ServiceError> {
+    pub(super) async fn reload(&self) -> Result<()> {
         Ok(self.look().await?)
     }
 

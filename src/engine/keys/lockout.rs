@@ -5,7 +5,7 @@
 
 use crate::domain::key::{Action, Key, KeyProperties, KeySeq};
 use crate::domain::keyframe::Stamp;
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 
 /// What an operator does when no key may administer.
 pub const WAY_BACK: &str = "`revisit keys create --actions read,write,query,admin` makes one in the database";
@@ -20,7 +20,7 @@ pub enum Lockout {
 }
 
 /// Rejects a first key that cannot administer every map for good.
-pub(in crate::engine) fn check_first_key(properties: &KeyProperties) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_first_key(properties: &KeyProperties) -> Result<()> {
     let every_map = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
     let lacks = [
         (!properties.actions.has(Action::Admin), "the action `admin`"),
@@ -41,11 +41,7 @@ pub(in crate::engine) fn check_first_key(properties: &KeyProperties) -> Result<(
 }
 
 /// Rejects revoking the last key that administers, or the last one that does so without an expiry.
-pub(in crate::engine) fn check_revocation(
-    keys: &[Key],
-    revoked: KeySeq,
-    now: Stamp,
-) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_revocation(keys: &[Key], revoked: KeySeq, now: Stamp) -> Result<()> {
     let administers = |key: &&Key| key.is_good(now) && key.properties.actions.has(Action::Admin);
     let Some(key) = keys.iter().filter(administers).find(|key| key.seq == revoked) else { return Ok(()) };
     let mut others = keys.iter().filter(administers).filter(|other| other.seq != revoked);

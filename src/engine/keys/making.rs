@@ -9,7 +9,7 @@ use super::keyring::{Keyring, now};
 use super::lockout::{Lockout, WAY_BACK, check_first_key, check_revocation};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, secret_hash};
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 use crate::store::{Job, NewKeyRow};
 
 /// The most keys of one database, revoked ones among them.
@@ -23,7 +23,7 @@ const SECRET_PREFIX: &str = "revisit_";
 
 impl Keyring {
     /// Makes a key.
-    pub async fn create(&self, properties: KeyProperties, lockout: Lockout) -> Result<MadeKey, ServiceError> {
+    pub async fn create(&self, properties: KeyProperties, lockout: Lockout) -> Result<MadeKey> {
         check(&properties)?;
         let _changing = self.changing.lock().await;
         let mut tries = 0;
@@ -72,7 +72,7 @@ impl Keyring {
     }
 
     /// Revokes a key; revoking it again changes nothing.
-    pub async fn revoke(&self, id: &str, lockout: Lockout) -> Result<Key, ServiceError> {
+    pub async fn revoke(&self, id: &str, lockout: Lockout) -> Result<Key> {
         let none = || ServiceError::NotFound(format!("there is no key {id}"));
         let seq = KeySeq::from_public(id).ok_or_else(none)?;
         let find = || self.list().into_iter().find(|key| key.seq == seq);
@@ -97,7 +97,7 @@ impl Keyring {
 }
 
 /// Rejects properties that no key can have.
-fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
+fn check(properties: &KeyProperties) -> Result<()> {
     let mut errors = Vec::new();
     if properties.actions.iter().next().is_none() {
         errors.push(FieldError::new("/actions", "a key must be good for something"));
@@ -112,7 +112,7 @@ fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
 }
 
 /// Rejects an administrator's key that does not reach every map: it could make itself one that does.
-fn check_reach(properties: &KeyProperties) -> Result<(), ServiceError> {
+fn check_reach(properties: &KeyProperties) -> Result<()> {
     let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
     if every || !properties.actions.has(Action::Admin) {
         return Ok(());
@@ -121,7 +121,7 @@ fn check_reach(properties: &KeyProperties) -> Result<(), ServiceError> {
     Err(ServiceError::Invalid(vec![FieldError::new("/maps", detail).limit("[\"*\"]")]))
 }
 
-fn new_secret() -> Result<String, ServiceError> {
+fn new_secret() -> Result<String> {
     let mut bytes = [0; 32];
     let drawn = SysRng.try_fill_bytes(&mut bytes);
     drawn.map_err(|error| ServiceError::Internal(format!("no random numbers: {error}")))?;

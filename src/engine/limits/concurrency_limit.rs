@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 
 /// Longest time a request waits for a permit before it is rejected as overloaded.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
@@ -38,12 +38,12 @@ impl ConcurrencyLimit {
     }
 
     /// Waits for something else that keeps a request from its turn, such as a lock, or hears that it takes too long.
-    pub async fn in_time<T>(waiting: impl Future<Output = T>) -> Result<T, ServiceError> {
+    pub async fn in_time<T>(waiting: impl Future<Output = T>) -> Result<T> {
         tokio::time::timeout(MAX_QUEUE_WAIT, waiting).await.map_err(|_| overloaded())
     }
 
     /// Waits its turn, or hears that it would take too long.
-    pub async fn enter(&self) -> Result<OwnedSemaphorePermit, ServiceError> {
+    pub async fn enter(&self) -> Result<OwnedSemaphorePermit> {
         if let Ok(permit) = self.turns.clone().try_acquire_owned() {
             return Ok(permit);
         }
@@ -58,7 +58,7 @@ impl ConcurrencyLimit {
     }
 
     /// Waits its turn however long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
-    pub async fn acquire_unbounded(&self) -> Result<OwnedSemaphorePermit, ServiceError> {
+    pub async fn acquire_unbounded(&self) -> Result<OwnedSemaphorePermit> {
         let _waits = Waits::new(&self.waiting);
         self.turns.clone().acquire_owned().await.map_err(|_| ServiceError::closed())
     }
@@ -98,8 +98,7 @@ mod tests {
         };
         let inside = gate.enter().await.unwrap();
         let (first, second) = tokio::join!(gate.enter(), gate.enter());
-        let refused =
-            |result: Result<_, ServiceError>| matches!(result, Err(ServiceError::Overloaded { .. }));
+        let refused = |result: Result<_>| matches!(result, Err(ServiceError::Overloaded { .. }));
         assert!(refused(first.map(drop)), "it has waited long enough");
         assert!(refused(second.map(drop)), "there was no room for it");
         drop(inside);

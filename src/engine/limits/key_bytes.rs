@@ -5,7 +5,7 @@ use std::time::Duration;
 use moka::sync::Cache;
 
 use crate::domain::key::KeySeq;
-use crate::engine::ServiceError;
+use crate::engine::Result;
 use crate::store::Store;
 
 /// Keys whose bytes are remembered.
@@ -26,7 +26,7 @@ impl Default for KeyBytes {
 
 impl KeyBytes {
     /// Returns the bytes of the maps that a key made, with their releases.
-    pub async fn of(&self, store: &Store, key: KeySeq) -> Result<u64, ServiceError> {
+    pub async fn of(&self, store: &Store, key: KeySeq) -> Result<u64> {
         if let Some(known) = self.0.get(&key) {
             return Ok(known);
         }

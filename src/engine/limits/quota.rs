@@ -6,7 +6,7 @@ use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::prior::NewPrior;
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
 
@@ -30,7 +30,7 @@ pub(in crate::engine) struct KeyRoom {
 
 impl KeyRoom {
     /// Refuses what would take them beyond the limit.
-    pub fn check(self, more: u64) -> Result<(), ServiceError> {
+    pub fn check(self, more: u64) -> Result<()> {
         if self.holds.saturating_add(more) <= self.most {
             return Ok(());
         }
@@ -44,11 +44,7 @@ impl KeyRoom {
 }
 
 /// Refuses a keyframe that would take its map beyond a quota.
-pub(in crate::engine) fn check_keyframe(
-    room: &Room,
-    index: &MapIndex,
-    keyframe: &NewKeyframe,
-) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_keyframe(room: &Room, index: &MapIndex, keyframe: &NewKeyframe) -> Result<()> {
     let keyframes = index.keyframe_count() as u64;
     if let Some(most) = over(room.quotas.map_max_keyframes, keyframes + 1) {
         return Err(full("keyframes", keyframes, most));
@@ -70,16 +66,12 @@ pub(in crate::engine) fn check_points(
     index: &MapIndex,
     session: SessionSeq,
     points: &[(PointId, Point3)],
-) -> Result<(), ServiceError> {
+) -> Result<()> {
     check_bytes(room, index, new_points(index, Some(session), points))
 }
 
 /// Refuses a loop that would take its map beyond its quota. The one that reaches it may still merge what it matches.
-pub(in crate::engine) fn check_loop(
-    room: &Room,
-    index: &MapIndex,
-    closed: &Loop,
-) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_loop(room: &Room, index: &MapIndex, closed: &Loop) -> Result<()> {
     check_bytes(room, index, closed.bytes())
 }
 
@@ -88,7 +80,7 @@ pub(in crate::engine) fn check_observations(
     room: &Room,
     index: &MapIndex,
     update: &ObservationUpdate,
-) -> Result<(), ServiceError> {
+) -> Result<()> {
     let more = |of: &KeyframeUpdate| {
         let known = index.keyframe(of.keyframe).map_or(0, |known| known.observes.len());
         of.observes.as_ref().map_or(0, |list| list.len().saturating_sub(known)) + of.covisible.len()
@@ -103,7 +95,7 @@ pub(in crate::engine) fn check_merge(
     index: &MapIndex,
     request: &SessionMergeRequest,
     keyframes: &[KeyframeSeq],
-) -> Result<(), ServiceError> {
+) -> Result<()> {
     if request.map_points == Renumbering::Same {
         return Ok(());
     }
@@ -112,11 +104,7 @@ pub(in crate::engine) fn check_merge(
 }
 
 /// Refuses a prior anchor that would take its map beyond a quota.
-pub(in crate::engine) fn check_prior(
-    room: &Room,
-    index: &MapIndex,
-    prior: &NewPrior,
-) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_prior(room: &Room, index: &MapIndex, prior: &NewPrior) -> Result<()> {
     let anchors = index.objects().len() as u64;
     if let Some(most) = over(room.quotas.map_max_anchors, anchors + 1) {
         return Err(full("anchors", anchors, most));
@@ -126,11 +114,7 @@ pub(in crate::engine) fn check_prior(
 }
 
 /// Refuses a release that would take its map, with the bytes of those that it has, beyond a quota: each is a copy.
-pub(in crate::engine) fn check_release(
-    room: &Room,
-    index: &MapIndex,
-    of_releases: u64,
-) -> Result<(), ServiceError> {
+pub(in crate::engine) fn check_release(room: &Room, index: &MapIndex, of_releases: u64) -> Result<()> {
     let with_releases = index.bytes() + of_releases;
     match over(room.quotas.map_max_bytes, with_releases + index.bytes()) {
         Some(most) => Err(full("bytes with its releases", with_releases, most)),
@@ -138,7 +122,7 @@ pub(in crate::engine) fn check_release(
     }
 }
 
-fn check_bytes(room: &Room, index: &MapIndex, more: u64) -> Result<(), ServiceError> {
+fn check_bytes(room: &Room, index: &MapIndex, more: u64) -> Result<()> {
     if more == 0 {
         return Ok(());
     }

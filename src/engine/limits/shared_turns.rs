@@ -7,7 +7,7 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::concurrency_limit::ConcurrencyLimit;
 use crate::domain::key::KeySeq;
-use crate::engine::ServiceError;
+use crate::engine::Result;
 use crate::store::MapKey;
 
 /// Tenants that are remembered before those without requests are forgotten.
@@ -65,14 +65,14 @@ impl SharedTurns {
     }
 
     /// Waits for a turn, or hears that it would take too long.
-    pub async fn enter(&self, tenant: Tenant) -> Result<Turn, ServiceError> {
+    pub async fn enter(&self, tenant: Tenant) -> Result<Turn> {
         let limit = self.of(tenant);
         let of_tenant = limit.enter().await?;
         Ok(Turn { _of_all: self.all.enter().await?, _of_tenant: of_tenant, _tenant: limit })
     }
 
     /// Waits for a turn however long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
-    pub async fn acquire_unbounded(&self, tenant: Tenant) -> Result<Turn, ServiceError> {
+    pub async fn acquire_unbounded(&self, tenant: Tenant) -> Result<Turn> {
         let limit = self.of(tenant);
         let of_tenant = limit.acquire_unbounded().await?;
         Ok(Turn { _of_all: self.all.acquire_unbounded().await?, _of_tenant: of_tenant, _tenant: limit })

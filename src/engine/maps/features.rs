@@ -10,8 +10,8 @@ use tokio::task::spawn_blocking;
 use crate::config::logging::in_span;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
-use crate::engine::ServiceError;
 use crate::engine::named_vocabulary::NamedVocabulary;
+use crate::engine::{Result, ServiceError};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;
@@ -59,12 +59,7 @@ impl FeatureCache {
 
     /// Returns the features of these keyframes, with the map points that they observe at the version of the question; those
     /// without any are left out.
-    pub async fn read(
-        &self,
-        store: &Store,
-        map: MapKey,
-        wanted: WantedFeatures,
-    ) -> Result<FeatureSet, ServiceError> {
+    pub async fn read(&self, store: &Store, map: MapKey, wanted: WantedFeatures) -> Result<FeatureSet> {
         let found: Vec<_> = stream::iter(wanted.keyframes)
             .map(|(seq, points)| async move {
                 let sent = self.read_one(store, map, seq).await?;
@@ -83,7 +78,7 @@ impl FeatureCache {
 
     /// Returns the features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit
     /// together.
-    pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+    pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>> {
         let vocabulary = self.vocabulary.clone();
         let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))
             .await
@@ -109,7 +104,7 @@ impl FeatureCache {
         store: &Store,
         map: MapKey,
         seq: KeyframeSeq,
-    ) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+    ) -> Result<Option<Arc<MatchableFeatures>>> {
         if let Some(known) = self.cache.get(&(map, seq)).await {
             self.hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Some(known));

@@ -4,11 +4,11 @@ use std::sync::atomic::Ordering;
 
 use super::live::LiveMap;
 use crate::domain::change::Change;
-use crate::engine::error::ServiceError;
+use crate::engine::error::Result;
 
 impl LiveMap {
     /// Takes over the changes of the next versions, in their order. They are on disk. Blocks: not for async threads.
-    pub fn take_over(&self, versions: &[(u64, Vec<Change>)]) -> Result<(), ServiceError> {
+    pub fn take_over(&self, versions: &[(u64, Vec<Change>)]) -> Result<()> {
         let mut state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         for (version, changes) in versions {

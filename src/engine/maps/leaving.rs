@@ -8,12 +8,12 @@ use tokio::sync::oneshot;
 
 use super::live::{LiveMap, Urgency};
 use super::live_state::free;
-use crate::engine::error::ServiceError;
+use crate::engine::error::Result;
 use crate::store::{Job, Store, StoreError};
 
 impl LiveMap {
     /// Lets nobody decide or read any more, after all that is decided is on disk. Blocks: not for async threads.
-    pub fn leave_memory(&self, store: &Store, runtime: &Handle) -> Result<(), ServiceError> {
+    pub fn leave_memory(&self, store: &Store, runtime: &Handle) -> Result<()> {
         let _state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         runtime.block_on(store.committer().settled());
@@ -28,7 +28,7 @@ impl LiveMap {
 
     /// Changes rows beside the index, after all that is decided is on disk. Nobody decides or reads meanwhile, and the next request
     /// loads the map anew. Blocks: not for async threads.
-    pub fn change_rows(&self, store: &Store, runtime: &Handle, job: Job) -> Result<(), ServiceError> {
+    pub fn change_rows(&self, store: &Store, runtime: &Handle, job: Job) -> Result<()> {
         let _state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         let changed = runtime.block_on(async {
@@ -45,10 +45,7 @@ impl LiveMap {
     }
 
     /// Nobody reads or writes the map from here on; queues its deletion.
-    pub fn delete(
-        self: &Arc<Self>,
-        store: &Store,
-    ) -> Result<oneshot::Receiver<Result<(), StoreError>>, ServiceError> {
+    pub fn delete(self: &Arc<Self>, store: &Store) -> Result<oneshot::Receiver<Result<(), StoreError>>> {
         let mut state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         self.gone.store(true, Ordering::Release);

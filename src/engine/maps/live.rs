@@ -22,7 +22,7 @@ use super::standing::Standing;
 use crate::domain::event::Event;
 use crate::domain::ids::{MapId, SessionId};
 use crate::domain::key::KeySeq;
-use crate::engine::error::ServiceError;
+use crate::engine::error::{Result, ServiceError};
 use crate::engine::limits::shared_turns::Turn;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
@@ -173,7 +173,7 @@ impl LiveMap {
 
     /// Returns the map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves an index
     /// nobody can vouch for: the map is then loaded anew from its facts.
-    pub fn state(&self) -> Result<RwLockReadGuard<'_, State>, ServiceError> {
+    pub fn state(&self) -> Result<RwLockReadGuard<'_, State>> {
         let state = self.state.read().map_err(|_| self.broke())?;
         self.exists()?;
         Ok(state)
@@ -186,7 +186,7 @@ impl LiveMap {
         Some((state.version, look(&state)))
     }
 
-    pub(super) fn exists(&self) -> Result<(), ServiceError> {
+    pub(super) fn exists(&self) -> Result<()> {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
     }
 
@@ -208,8 +208,8 @@ impl LiveMap {
         permit: OwnedSemaphorePermit,
         core: Turn,
         urgency: Urgency,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
-    ) -> Result<Pending<T>, ServiceError> {
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>>,
+    ) -> Result<Pending<T>> {
         let (mut state, _core) = if let Ok(state) = self.state.try_write() {
             (state, Some(core))
         } else {
@@ -298,7 +298,7 @@ impl LiveMap {
     }
 
     /// Waits until a version is on disk.
-    pub async fn on_disk(&self, store: &Store, version: u64) -> Result<(), ServiceError> {
+    pub async fn on_disk(&self, store: &Store, version: u64) -> Result<()> {
         if *self.on_disk.borrow() < version {
             store.committer().commit_held();
         }
@@ -311,7 +311,7 @@ impl LiveMap {
     }
 
     /// Fails if another server may have written to the map since it was read.
-    fn is_still_ours(&self) -> Result<(), ServiceError> {
+    fn is_still_ours(&self) -> Result<()> {
         match self.lease() {
             Some(lease) if !lease.is_valid() => Err(StoreError::Fenced.into()),
             _ => Ok(()),
@@ -325,7 +325,7 @@ impl LiveMap {
 
     /// Fails if a database server told an older version than what was on disk before it was asked, as one does that was the primary
     /// before a fail-over; or if another of our servers may have the map by now.
-    pub fn expect_up_to_date(&self, on_disk: u64, told: u64) -> Result<(), ServiceError> {
+    pub fn expect_up_to_date(&self, on_disk: u64, told: u64) -> Result<()> {
         if told < on_disk {
             return Err(StoreError::Away(BEHIND.to_owned()).into());
         }
@@ -405,7 +405,7 @@ impl LiveMap {
 
 impl<T> Pending<T> {
     /// Waits until the decision is on disk.
-    pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64), ServiceError> {
+    pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64)> {
         match self.committed {
             Some(committed) => match committed.await {
                 Ok(result) => result?,

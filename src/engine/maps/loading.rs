@@ -16,7 +16,7 @@ use super::registry::{Cell, Registry};
 use super::standing::Standing;
 use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
-use crate::engine::error::ServiceError;
+use crate::engine::error::{Result, ServiceError};
 use crate::integrity::rebuild::rebuild;
 use crate::store::{FactsForCopies, Order, Store, Taken};
 
@@ -25,12 +25,7 @@ const LOADS_MAX: usize = 5;
 
 impl Registry {
     /// Returns the map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.
-    pub async fn get(
-        self: &Arc<Self>,
-        store: &Store,
-        id: &MapId,
-        used: Used,
-    ) -> Result<Arc<LiveMap>, ServiceError> {
+    pub async fn get(self: &Arc<Self>, store: &Store, id: &MapId, used: Used) -> Result<Arc<LiveMap>> {
         for _ in 0..LOADS_MAX {
             let cell = self.cell(id);
             let live = self.filled(&cell, store, id).await?;
@@ -49,12 +44,7 @@ impl Registry {
     }
 
     /// Returns the map of a cell, loaded if need be. A load goes to its end when its client has gone: the next one finds the map.
-    async fn filled(
-        self: &Arc<Self>,
-        cell: &Cell,
-        store: &Store,
-        id: &MapId,
-    ) -> Result<Arc<LiveMap>, ServiceError> {
+    async fn filled(self: &Arc<Self>, cell: &Cell, store: &Store, id: &MapId) -> Result<Arc<LiveMap>> {
         if let Some(live) = cell.get() {
             return Ok(live.clone());
         }
@@ -73,7 +63,7 @@ impl Registry {
     }
 
     /// Loads a map, off the async threads: its index is built there.
-    async fn load(self: &Arc<Self>, store: &Store, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+    async fn load(self: &Arc<Self>, store: &Store, id: &MapId) -> Result<Arc<LiveMap>> {
         let mut about = store.map_memory(id).await?;
         if about.is_none() {
             // It may be on its way to the disk. One that is not takes no turn from those that are.
@@ -126,14 +116,14 @@ impl Registry {
 }
 
 /// Begins to follow a map: what happens from here on is told or makes it load anew.
-async fn followed(store: &Store, id: &MapId) -> Result<Standing, ServiceError> {
+async fn followed(store: &Store, id: &MapId) -> Result<Standing> {
     let map = store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))?;
     store.follow(&[map]).await?;
     Ok(Standing::Follower { rewrites: store.rewrites(map).await?, since: Instant::now() })
 }
 
 /// Takes a map for this server, where others could have it.
-async fn taken(store: &Store, id: &MapId) -> Result<Standing, ServiceError> {
+async fn taken(store: &Store, id: &MapId) -> Result<Standing> {
     match store.take(id).await? {
         None => Ok(Standing::Alone),
         Some(Taken::Here(lease)) => {

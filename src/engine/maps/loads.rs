@@ -9,7 +9,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::live::LiveMap;
 use crate::domain::ids::MapId;
-use crate::engine::error::ServiceError;
+use crate::engine::error::Result;
 use crate::engine::limits::bounds::cores;
 use crate::store::StoreError;
 
@@ -78,7 +78,7 @@ impl Default for Loads {
 
 impl Loads {
     /// Waits for the turn of a map to be loaded; `alone` while no other map is.
-    pub async fn turn(&self, alone: bool) -> Result<OwnedSemaphorePermit, ServiceError> {
+    pub async fn turn(&self, alone: bool) -> Result<OwnedSemaphorePermit> {
         let turns = if alone { self.at_once } else { 1 };
         Ok(self.turns.clone().acquire_many_owned(turns).await.map_err(|_| StoreError::Closed)?)
     }

@@ -13,7 +13,7 @@ use super::live::LiveMap;
 use super::loads::Used;
 use super::registry::Registry;
 use crate::domain::ids::MapId;
-use crate::engine::error::ServiceError;
+use crate::engine::error::Result;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::store::{MapFacts, News, Store};
 
@@ -26,11 +26,7 @@ const LOOKS_EVERY: Duration = Duration::from_millis(10);
 impl Registry {
     /// Returns the copy of a map that this server owns by now, to be its own; `None` if there is none, or not one as new as what is on
     /// disk. Blocks: not for async threads.
-    pub(super) async fn promoted(
-        &self,
-        store: &Store,
-        id: &MapId,
-    ) -> Result<Option<RebuiltMap>, ServiceError> {
+    pub(super) async fn promoted(&self, store: &Store, id: &MapId) -> Result<Option<RebuiltMap>> {
         let Some(copies) = &self.copies else { return Ok(None) };
         // One that is being loaded is waited for: it began before a load that would begin now.
         if copies.in_memory_now(id).is_none() && !copies.loads.is_loading(id) {
@@ -57,7 +53,7 @@ impl Registry {
 
 /// Brings a copy up to date, and returns the map's row; `None` if the log of changes does not tell enough. Nobody writes to the map
 /// meanwhile: this server owns it.
-async fn up_to_date(store: &Store, copy: &LiveMap) -> Result<Option<MapFacts>, ServiceError> {
+async fn up_to_date(store: &Store, copy: &LiveMap) -> Result<Option<MapFacts>> {
     let Some((rewrites, _)) = copy.standing.followed_since() else { return Ok(None) };
     let _lane = copy.lane.lock().await;
     loop {

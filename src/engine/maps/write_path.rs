@@ -12,7 +12,7 @@ use crate::config::logging::in_part;
 use crate::config::traces;
 use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
 use crate::engine::limits::shared_turns::Tenant;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::store::Store;
 
@@ -40,8 +40,8 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         manner: Manner,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<Begun<T>, ServiceError> {
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>> + Send + 'static,
+    ) -> Result<Begun<T>> {
         if self.follows {
             return Err(ServiceError::Internal(format!("{} is a copy, to which nobody writes", live.id)));
         }
@@ -83,7 +83,7 @@ impl Service {
     }
 
     /// Returns a map that was thrown away as it is on disk.
-    async fn anew(&self, live: &LiveMap) -> Result<Arc<LiveMap>, ServiceError> {
+    async fn anew(&self, live: &LiveMap) -> Result<Arc<LiveMap>> {
         self.should_have(&live.id, false).await?;
         let anew = self.registry.get(&self.store, &live.id, Used::ByClient).await?;
         if anew.key == live.key { Ok(anew) } else { Err(ServiceError::no_map(&live.id)) }
@@ -95,7 +95,7 @@ impl Service {
     }
 
     /// Refuses a write that the disk would not take, before the index is ahead of the disk.
-    pub(in crate::engine) async fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+    pub(in crate::engine) async fn disk_takes(&self, freeing: bool) -> Result<()> {
         self.store.committer().refuses_now(freeing).await.map_or(Ok(()), |error| Err(error.into()))
     }
 
@@ -103,8 +103,8 @@ impl Service {
     pub(in crate::engine) async fn change<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<(T, u64), ServiceError> {
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>> + Send + 'static,
+    ) -> Result<(T, u64)> {
         self.begin(live, Manner::Prompt, decide).await?.committed().await
     }
 
@@ -112,8 +112,8 @@ impl Service {
     pub(in crate::engine) async fn free<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<(T, u64), ServiceError> {
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>> + Send + 'static,
+    ) -> Result<(T, u64)> {
         self.begin(live, Manner::Freeing, decide).await?.committed().await
     }
 
@@ -122,8 +122,8 @@ impl Service {
     pub(in crate::engine) async fn read<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        read: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
-    ) -> Result<(u64, T), ServiceError> {
+        read: impl Fn(&State) -> Result<T> + Send + Sync + 'static,
+    ) -> Result<(u64, T)> {
         let (read, mut live) = (Arc::new(read), live.clone());
         let mut again = READ_AGAIN_MAX;
         loop {
@@ -146,8 +146,8 @@ impl Service {
     pub(in crate::engine) async fn glance<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        look: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
-    ) -> Result<(u64, T), ServiceError> {
+        look: impl Fn(&State) -> Result<T> + Send + Sync + 'static,
+    ) -> Result<(u64, T)> {
         if let Some((version, Ok(value))) = live.glance(&look)
             && live.on_disk(&self.store, version).await.is_ok()
         {
@@ -160,8 +160,8 @@ impl Service {
     pub(in crate::engine) async fn look<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
-    ) -> Result<(u64, T), ServiceError> {
+        look: impl FnOnce(&State) -> Result<T> + Send + 'static,
+    ) -> Result<(u64, T)> {
         let turn = self.reads.enter(Tenant::current(Some(live.key))).await?;
         let looking = live.clone();
         let (version, value) = spawn_blocking(in_part("read", move || {
@@ -178,7 +178,7 @@ impl Service {
 }
 
 /// Waits until nobody else decides a write to a map.
-async fn lane_of(live: &LiveMap, is_patient: bool) -> Result<MutexGuard<'_, ()>, ServiceError> {
+async fn lane_of(live: &LiveMap, is_patient: bool) -> Result<MutexGuard<'_, ()>> {
     let waiting = live.lane.lock();
     if is_patient { Ok(waiting.await) } else { ConcurrencyLimit::in_time(waiting).await }
 }
@@ -192,7 +192,7 @@ pub(in crate::engine) struct Begun<T> {
 
 impl<T> Begun<T> {
     /// Waits until it is on disk.
-    pub async fn committed(self) -> Result<(T, u64), ServiceError> {
+    pub async fn committed(self) -> Result<(T, u64)> {
         self.pending.committed(&self.store, &self.live).instrument(traces::part("commit")).await
     }
 }

@@ -9,7 +9,7 @@ use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
@@ -33,7 +33,7 @@ impl Service {
         others: &[&Arc<LiveMap>],
         pairs: usize,
         seed: u64,
-    ) -> Result<usize, ServiceError> {
+    ) -> Result<usize> {
         let own = move |index: &MapIndex| {
             (index.twins().next().is_some(), probes(index, session, pairs.min(PROBES_MAX)))
         };
@@ -56,7 +56,7 @@ impl Service {
         &self,
         maps: &[&Arc<LiveMap>],
         bow: Arc<BowVector>,
-    ) -> Result<Option<(usize, KeyframeSeq)>, ServiceError> {
+    ) -> Result<Option<(usize, KeyframeSeq)>> {
         let mut best: Option<(usize, KeyframeSeq, u32)> = None;
         for (map, live) in maps.iter().enumerate() {
             let bow = bow.clone();
@@ -76,7 +76,7 @@ impl Service {
         (home, probe): (&Arc<LiveMap>, KeyframeSeq),
         (other_map, other): (&Arc<LiveMap>, KeyframeSeq),
         seed: u64,
-    ) -> Result<usize, ServiceError> {
+    ) -> Result<usize> {
         let seen = (self.seen(home, probe).await?, self.seen(other_map, other).await?);
         let (Some(probe), Some(other)) = seen else { return Ok(0) };
         let (_, (settings, metric)) = self
@@ -104,7 +104,7 @@ impl Service {
     }
 
     /// Reads what geometry needs of a keyframe; none if it has no features.
-    async fn seen(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) -> Result<Option<Seen>, ServiceError> {
+    async fn seen(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) -> Result<Option<Seen>> {
         let look = move |index: &MapIndex| GeometrySnapshot::stored(index, keyframe);
         let (_, snapshot) = self.read(live, move |state| Ok(look(&state.index))).await?;
         let Some(snapshot) = snapshot else { return Ok(None) };

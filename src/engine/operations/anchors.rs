@@ -7,7 +7,7 @@ use crate::domain::prior::AnchorKey;
 use crate::domain::report::{AnchorReport, Page};
 use crate::domain::request::AnchorFilter;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::describing::describe;
 use crate::recognition::map::culling::delete_object;
 use crate::recognition::map::index::MapIndex;
@@ -22,7 +22,7 @@ impl Service {
         filter: AnchorFilter,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<(u64, Page<AnchorReport>), ServiceError> {
+    ) -> Result<(u64, Page<AnchorReport>)> {
         let live = self.live(map).await?;
         let from = match cursor {
             Some(cursor) => AnchorSeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
@@ -42,11 +42,7 @@ impl Service {
     }
 
     /// Returns an anchor as it stands.
-    pub async fn get_anchor(
-        &self,
-        map: &MapId,
-        anchor: impl Into<AnchorKey>,
-    ) -> Result<(u64, AnchorReport), ServiceError> {
+    pub async fn get_anchor(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<(u64, AnchorReport)> {
         let live = self.live(map).await?;
         let key = anchor.into();
         self.read(&live, move |state| find(&state.index, resolve(&state.index, &key)?)).await
@@ -60,7 +56,7 @@ impl Service {
         anchor: impl Into<AnchorKey>,
         expected: Option<u64>,
         description: Option<String>,
-    ) -> Result<(u64, AnchorReport), ServiceError> {
+    ) -> Result<(u64, AnchorReport)> {
         let live = self.live(map).await?;
         let key = anchor.into();
         let (service, of_map) = (self.clone(), live.clone());
@@ -89,7 +85,7 @@ impl Service {
         map: &MapId,
         anchor: impl Into<AnchorKey>,
         expected: Option<u64>,
-    ) -> Result<u64, ServiceError> {
+    ) -> Result<u64> {
         let live = self.live(map).await?;
         let key = anchor.into();
         let decide = move |index: &mut MapIndex| {
@@ -101,7 +97,7 @@ impl Service {
     }
 
     /// Returns the best image crop of an anchor.
-    pub async fn crop(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<Crop, ServiceError> {
+    pub async fn crop(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<Crop> {
         let live = self.live(map).await?;
         let key = anchor.into();
         let asked = key.clone();
@@ -120,7 +116,7 @@ impl Service {
 }
 
 /// Returns the anchor that a public id names. A prior anchor has its name alone, and no number beside it.
-pub(super) fn resolve(index: &MapIndex, key: &AnchorKey) -> Result<AnchorSeq, ServiceError> {
+pub(super) fn resolve(index: &MapIndex, key: &AnchorKey) -> Result<AnchorSeq> {
     let found = match key {
         AnchorKey::Numbered(seq) => index.anchor(*seq).filter(|anchor| anchor.prior.is_none()).map(|_| *seq),
         AnchorKey::Prior(id) => index.priors().by_id(id),
@@ -134,7 +130,7 @@ fn described_by_plan(id: &PriorId) -> ServiceError {
     ServiceError::Conflict { code: "prior_anchor", detail }
 }
 
-fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport, ServiceError> {
+fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport> {
     views::anchor(index, anchor).ok_or_else(|| ServiceError::no_anchor(anchor.public()))
 }
 
@@ -172,7 +168,7 @@ fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<
     filter.state.is_none_or(|state| state == object.state) && text.is_none_or(contains)
 }
 
-fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> Result<(), ServiceError> {
+fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> Result<()> {
     let Some(stored) = index.anchor(anchor) else { return Err(ServiceError::no_anchor(anchor.public())) };
     let root = index.objects().root(anchor).unwrap_or(anchor);
     if root != anchor {

@@ -12,17 +12,17 @@ use crate::domain::ids::BackupId;
 use crate::domain::report::{BackupReport, Page};
 use crate::engine::backups::folder::{BackupFolder, BackupMade};
 use crate::engine::service::Parts;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 
 impl Service {
     /// Returns the same service, which keeps up to `kept` backups in a folder.
-    pub fn with_backups(self, folder: PathBuf, kept: usize) -> Result<Self, ServiceError> {
+    pub fn with_backups(self, folder: PathBuf, kept: usize) -> Result<Self> {
         let backups = Some(Arc::new(BackupFolder::open(&folder, kept)?));
         Ok(Self(Arc::new(Parts { backups, ..Parts::clone(&self) })))
     }
 
     /// Takes a backup, or finds the one of this name. It is finished even if the client goes away.
-    pub async fn back_up(&self, id: Option<BackupId>) -> Result<BackupMade, ServiceError> {
+    pub async fn back_up(&self, id: Option<BackupId>) -> Result<BackupMade> {
         let Some(files) = self.store.files().cloned() else {
             let detail =
                 "the facts are in PostgreSQL: its own tools back them up, such as pg_dump or archived logs";
@@ -52,7 +52,7 @@ impl Service {
     }
 
     /// Deletes a backup.
-    pub async fn delete_backup(&self, id: BackupId) -> Result<(), ServiceError> {
+    pub async fn delete_backup(&self, id: BackupId) -> Result<()> {
         let missing =
             || ServiceError::NotFound("there is no such backup; GET /v1/backups lists them".to_owned());
         let Some(backups) = self.backups.clone() else { return Err(missing()) };
@@ -62,11 +62,7 @@ impl Service {
     }
 
     /// Returns the backups, the newest first.
-    pub async fn list_backups(
-        &self,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<Page<BackupReport>, ServiceError> {
+    pub async fn list_backups(&self, cursor: Option<&str>, limit: usize) -> Result<Page<BackupReport>> {
         let Some(backups) = self.backups.clone() else {
             return Ok(Page { items: Vec::new(), next_cursor: None });
         };

@@ -5,7 +5,7 @@ use tokio::runtime::Handle;
 
 use crate::domain::ids::KeyframeSeq;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::geometry::Point3;
 use crate::recognition::extensions::changed_signs::{
     LOOKS_OF_A_WRITE_MAX, Look, Passage, looks, may_have_missed, missed, passages_ended_by, seen_again,
@@ -54,7 +54,7 @@ impl Service {
         index: &MapIndex,
         passage: &Passage,
         looks_left: &mut usize,
-    ) -> Result<Option<Point3>, ServiceError> {
+    ) -> Result<Option<Point3>> {
         if tracked_here(index, passage) {
             return Ok(Some(passage.sign.centre));
         }
@@ -74,7 +74,7 @@ impl Service {
         index: &MapIndex,
         passage: &Passage,
         look: &Look,
-    ) -> Result<Option<Point3>, ServiceError> {
+    ) -> Result<Option<Point3>> {
         // Whatever was decided before has features to be read; the writer needs no lock of the map.
         live.on_disk(&self.store, live.newest_version()).await?;
         let features = self.features.read(&self.store, live.key, look.wanted_features()).await?;

@@ -6,12 +6,12 @@ use crate::domain::erasure::{Erasure, MergedInVersion, NewErasure, with_merged};
 use crate::domain::ids::{BackupId, MapId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::engine::keys::keyring::now;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::{ErasureStep, Job, MapKey};
 
 impl Service {
     /// Asks for an erasure, which begins at once in the background. What is asked for is on disk when this returns.
-    pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure, ServiceError> {
+    pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure> {
         let _owned = self.own(map).await?;
         let key = self.key_of(map).await?;
         let asked = match asked {
@@ -34,11 +34,7 @@ impl Service {
 
     /// Returns sessions with all that merged into them in any version of the map. Refuses those that are a part of another one in any:
     /// there they cannot be told from it. Refuses the frame of a plan, too.
-    async fn whole_sessions(
-        &self,
-        map: MapKey,
-        sessions: &[SessionId],
-    ) -> Result<Vec<SessionId>, ServiceError> {
+    async fn whole_sessions(&self, map: MapKey, sessions: &[SessionId]) -> Result<Vec<SessionId>> {
         let merges = self.store.merges_of_versions(map).await?;
         let all = with_merged(sessions, &merges);
         let mut faults = BTreeMap::new();
@@ -69,7 +65,7 @@ impl Service {
     }
 
     /// Returns an erasure, and the backups that were taken before it was done: they still hold what it erased.
-    pub async fn erasure(&self, map: &MapId, number: u64) -> Result<(Erasure, Vec<BackupId>), ServiceError> {
+    pub async fn erasure(&self, map: &MapId, number: u64) -> Result<(Erasure, Vec<BackupId>)> {
         let erasure = self.erasure_of(map, self.key_of(map).await?, number).await?;
         let backups = self.backups.as_ref().map(|folder| folder.list()).transpose()?.unwrap_or_default();
         let is_older = |created| erasure.ended.is_none_or(|ended| created <= ended);
@@ -78,7 +74,7 @@ impl Service {
         Ok((erasure, older))
     }
 
-    async fn erasure_of(&self, map: &MapId, key: MapKey, number: u64) -> Result<Erasure, ServiceError> {
+    async fn erasure_of(&self, map: &MapId, key: MapKey, number: u64) -> Result<Erasure> {
         let found = self.store.erasure(key, number).await?;
         found.ok_or_else(|| ServiceError::NotFound(format!("there is no erasure e-{number} of map {map}")))
     }

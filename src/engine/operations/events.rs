@@ -5,17 +5,12 @@ use std::sync::Arc;
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::MapId;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Listener, PinnedMap, QueryAnswer, Service, ServiceError};
+use crate::engine::{Listener, PinnedMap, QueryAnswer, Result, Service, ServiceError};
 use crate::store::StoreError;
 
 impl Service {
     /// Returns the events after one, in their order.
-    pub async fn events(
-        &self,
-        map: &PinnedMap,
-        since: u64,
-        limit: usize,
-    ) -> Result<Vec<Event>, ServiceError> {
+    pub async fn events(&self, map: &PinnedMap, since: u64, limit: usize) -> Result<Vec<Event>> {
         let key = self.key_of_pinned(map).await?;
         let found = self.store.events(key, since, limit).await;
         // A stream has begun to answer and can only end: the log says why.
@@ -31,11 +26,7 @@ impl Service {
     ///
     /// The numbers of a map that is made after a deleted one begin above those of the deleted one. So a number from before
     /// is too small for every event that is kept, or it was not given yet.
-    pub async fn resume_events(
-        &self,
-        map: &MapId,
-        since: u64,
-    ) -> Result<(PinnedMap, Listener), ServiceError> {
+    pub async fn resume_events(&self, map: &MapId, since: u64) -> Result<(PinnedMap, Listener)> {
         let pinned = self.pin_map(map).await?;
         // Where nothing is known of its events, the first that is hears of all of them.
         let listener = Listener::to(self.registry.feeds.of(pinned.key(), 0));

@@ -4,7 +4,7 @@ use super::releases::no_release;
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::recorded::Recorded;
 use crate::engine::limits::shared_turns::{Tenant, Turn};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::store::Export;
 
 /// A map's operations, in the order of writing, as they were committed when the export began.
@@ -15,18 +15,14 @@ pub struct MapExport {
 
 impl MapExport {
     /// Reads the next operation; `None` after the last.
-    pub async fn next(&mut self) -> Result<Option<Recorded>, ServiceError> {
+    pub async fn next(&mut self) -> Result<Option<Recorded>> {
         Ok(self.export.next().await?)
     }
 }
 
 impl Service {
     /// Begins to export a map, or a release of it.
-    pub async fn export(
-        &self,
-        map: &MapId,
-        release: Option<&ReleaseName>,
-    ) -> Result<MapExport, ServiceError> {
+    pub async fn export(&self, map: &MapId, release: Option<&ReleaseName>) -> Result<MapExport> {
         let id = release.map_or_else(|| map.clone(), |name| map.of_release(name));
         let none = || release.map_or_else(|| ServiceError::no_map(map), |name| no_release(map, name));
         let key = self.store.map_key(&id).await?.ok_or_else(none)?;

@@ -14,7 +14,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::report::{FrameReport, FramesReport};
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::geometry::Pose;
 use crate::recognition::frames::fleet::{fleet_frames, measured};
 use crate::recognition::map::index::MapIndex;
@@ -28,11 +28,7 @@ const REST: u32 = 10;
 
 impl Service {
     /// Returns where the sessions of a map lie to a reference, by default the oldest of those that most sessions are joined with.
-    pub async fn frames(
-        &self,
-        map: &MapId,
-        reference: Option<SessionId>,
-    ) -> Result<FramesReport, ServiceError> {
+    pub async fn frames(&self, map: &MapId, reference: Option<SessionId>) -> Result<FramesReport> {
         let live = self.live(map).await?;
         let (version, frames) = self.current_frames(&live).await?;
         let named = move |index: &MapIndex| report(index, version, &frames, reference.as_ref());
@@ -69,11 +65,7 @@ impl Service {
     }
 
     /// Revokes a loop that contradicts the others, where the map's settings say so. Then the frames are computed again.
-    async fn revoke_suspects(
-        &self,
-        live: &Arc<LiveMap>,
-        frames: &Arc<FleetFrames>,
-    ) -> Result<(), ServiceError> {
+    async fn revoke_suspects(&self, live: &Arc<LiveMap>, frames: &Arc<FleetFrames>) -> Result<()> {
         let is_set = |state: &State| Ok(state.index.properties().settings.revoke_suspects);
         if frames.suspects.is_empty() || !self.read(live, is_set).await?.1 {
             return Ok(());
@@ -93,13 +85,13 @@ impl Service {
 
     /// Returns the frames as they are kept, if they are still those of the map; else computes and keeps them, and tells of new suspects.
     /// Runs in a task of its own: a client that leaves must not unlock the frames while they are on their way to the disk.
-    async fn current_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>), ServiceError> {
+    async fn current_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>)> {
         let (service, live) = (self.clone(), live.clone());
         let framing = async move { service.checked_frames(&live).await };
         tokio::spawn(framing).await.map_err(ServiceError::panicked)?
     }
 
-    async fn checked_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>), ServiceError> {
+    async fn checked_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>)> {
         let mut checked = live.frames_checked.lock().await;
         let kept = self.store.frames(live.key).await?;
         if let Some((version, frames)) = &kept
@@ -174,7 +166,7 @@ fn report(
     version: u64,
     frames: &FleetFrames,
     reference: Option<&SessionId>,
-) -> Result<FramesReport, ServiceError> {
+) -> Result<FramesReport> {
     let reference = match reference {
         Some(id) => Some(chosen(index, frames, id)?),
         None => default_reference(frames),
@@ -203,11 +195,7 @@ fn report(
     })
 }
 
-fn chosen<'f>(
-    index: &MapIndex,
-    frames: &'f FleetFrames,
-    id: &SessionId,
-) -> Result<&'f FramedSession, ServiceError> {
+fn chosen<'f>(index: &MapIndex, frames: &'f FleetFrames, id: &SessionId) -> Result<&'f FramedSession> {
     let session = index.session(id);
     let found = frames.sessions.iter().find(|of| Some(of.session) == session);
     found.ok_or_else(|| {

@@ -5,7 +5,7 @@ use crate::domain::judgement::{Asks, JobState, Judgement, Tally};
 use crate::domain::report::JudgementReport;
 use crate::domain::request::NewJudgement;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::{Fingerprints, Job};
 
 /// A job shows at most this number of the verdicts that it replaced.
@@ -14,11 +14,7 @@ const REPLACED_SHOWN: usize = 100;
 impl Service {
     /// Starts a job that asks again about all that other models or prompts answered, or counts what it would ask.
     /// One job of a map runs at a time. The id of a job that is there already is answered with that job.
-    pub async fn judge_again(
-        &self,
-        map: &MapId,
-        new: NewJudgement,
-    ) -> Result<Stored<JudgementReport>, ServiceError> {
+    pub async fn judge_again(&self, map: &MapId, new: NewJudgement) -> Result<Stored<JudgementReport>> {
         let live = self.live(map).await?;
         // Two requests at once would both find no job running.
         let _starting = self.rejudging.starting.lock().await;
@@ -78,18 +74,14 @@ impl Service {
     }
 
     /// Returns a job as it stands.
-    pub async fn judgement(&self, map: &MapId, id: &JudgementId) -> Result<JudgementReport, ServiceError> {
+    pub async fn judgement(&self, map: &MapId, id: &JudgementId) -> Result<JudgementReport> {
         let live = self.live(map).await?;
         let job = self.find_judgement(&live, id).await?;
         self.report(&live, job).await
     }
 
     /// Stops a job. What it has learned stays; a job that has ended stays as it is.
-    pub async fn stop_judgement(
-        &self,
-        map: &MapId,
-        id: &JudgementId,
-    ) -> Result<JudgementReport, ServiceError> {
+    pub async fn stop_judgement(&self, map: &MapId, id: &JudgementId) -> Result<JudgementReport> {
         let live = self.live(map).await?;
         self.find_judgement(&live, id).await?;
         self.store.committer().commit(Job::StopJudgement(live.key, id.clone())).await?;
@@ -111,13 +103,13 @@ impl Service {
         models.is_away() || spent
     }
 
-    async fn find_judgement(&self, live: &LiveMap, id: &JudgementId) -> Result<Judgement, ServiceError> {
+    async fn find_judgement(&self, live: &LiveMap, id: &JudgementId) -> Result<Judgement> {
         let found = self.store.judgement(live.key, id).await?;
         found.ok_or_else(|| ServiceError::NotFound(format!("there is no judgement {id} in this map")))
     }
 
     /// Finds an id for a job that its client gave none: `j-7`, unless a client took that one.
-    async fn free_id(&self, live: &LiveMap, mut number: u64) -> Result<JudgementId, ServiceError> {
+    async fn free_id(&self, live: &LiveMap, mut number: u64) -> Result<JudgementId> {
         loop {
             let id: JudgementId = format!("j-{number}")
                 .parse()
@@ -129,17 +121,12 @@ impl Service {
         }
     }
 
-    async fn stored(
-        &self,
-        live: &LiveMap,
-        created: bool,
-        job: Judgement,
-    ) -> Result<Stored<JudgementReport>, ServiceError> {
+    async fn stored(&self, live: &LiveMap, created: bool, job: Judgement) -> Result<Stored<JudgementReport>> {
         let value = self.report(live, job).await?;
         Ok(Stored { created, map_version: value.map_version, value })
     }
 
-    async fn report(&self, live: &LiveMap, job: Judgement) -> Result<JudgementReport, ServiceError> {
+    async fn report(&self, live: &LiveMap, job: Judgement) -> Result<JudgementReport> {
         let replaced = self.store.replaced(live.key, job.since_version, REPLACED_SHOWN).await?;
         Ok(JudgementReport {
             map_version: live.newest_version(),

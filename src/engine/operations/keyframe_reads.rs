@@ -5,7 +5,7 @@ use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::report::{KeyframeRecord, KeyframeSummary, Page};
 use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_map::local_anchor_map;
 use crate::recognition::loops::centre::Centre;
@@ -19,7 +19,7 @@ impl Service {
         map: &MapId,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+    ) -> Result<(u64, Page<KeyframeSummary>)> {
         let live = self.live(map).await?;
         let from = start(cursor)?;
         self.read(&live, move |state| {
@@ -38,7 +38,7 @@ impl Service {
         map: &MapId,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+    ) -> Result<(u64, Page<KeyframeSummary>)> {
         let live = self.live(map).await?;
         let from = start(cursor)?;
         self.read(&live, move |state| {
@@ -52,11 +52,7 @@ impl Service {
     }
 
     /// Returns a keyframe as it stands.
-    pub async fn get_keyframe(
-        &self,
-        map: &MapId,
-        id: &KeyframeId,
-    ) -> Result<(u64, KeyframeRecord), ServiceError> {
+    pub async fn get_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<(u64, KeyframeRecord)> {
         let live = self.live(map).await?;
         let name = id.clone();
         let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
@@ -66,11 +62,7 @@ impl Service {
     }
 
     /// Returns the keyframes covisible with one, each with its number of shared points, most first.
-    pub async fn covisible(
-        &self,
-        map: &MapId,
-        id: &KeyframeId,
-    ) -> Result<(u64, Vec<(KeyframeId, u32)>), ServiceError> {
+    pub async fn covisible(&self, map: &MapId, id: &KeyframeId) -> Result<(u64, Vec<(KeyframeId, u32)>)> {
         let live = self.live(map).await?;
         let id = id.clone();
         self.read(&live, move |state| {
@@ -89,7 +81,7 @@ impl Service {
         &self,
         map: &MapId,
         id: &KeyframeId,
-    ) -> Result<(u64, Vec<LocalAnchorReport>), ServiceError> {
+    ) -> Result<(u64, Vec<LocalAnchorReport>)> {
         let live = self.live(map).await?;
         let id = id.clone();
         self.read(&live, move |state| {
@@ -116,14 +108,14 @@ impl Service {
         live: &LiveMap,
         id: &KeyframeId,
         seq: KeyframeSeq,
-    ) -> Result<KeyframeRow, ServiceError> {
+    ) -> Result<KeyframeRow> {
         // Culled between the look at the index and the look at the store.
         self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
 }
 
 /// Returns the first keyframe of a page.
-fn start(cursor: Option<&str>) -> Result<KeyframeSeq, ServiceError> {
+fn start(cursor: Option<&str>) -> Result<KeyframeSeq> {
     let number = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)));
     number.map(KeyframeSeq)
 }

@@ -5,13 +5,13 @@ use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeId, KeyframeSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
-use crate::engine::ServiceError;
+use crate::engine::{Result, ServiceError};
 use crate::recognition::loops::points_now::PointsNow;
 use crate::recognition::map::index::MapIndex;
 use crate::store::KeyframeRow;
 
 /// Finds a keyframe by its id.
-pub(in crate::engine) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq, ServiceError> {
+pub(in crate::engine) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq> {
     index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
 }
 
@@ -62,7 +62,7 @@ pub(super) fn record(
     id: &KeyframeId,
     seq: KeyframeSeq,
     row: KeyframeRow,
-) -> Result<KeyframeRecord, ServiceError> {
+) -> Result<KeyframeRecord> {
     let stored = index.keyframe(seq).ok_or_else(|| ServiceError::no_keyframe(id))?;
     let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
     let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));

@@ -15,7 +15,7 @@ use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
-use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
+use crate::engine::{QueryAnswer, Result, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
 use crate::recognition::anchors::prior_anchors::driven_frame;
 use crate::recognition::map::culling::cull_keyframe;
@@ -43,7 +43,7 @@ const PUT_AGAIN_MAX: usize = 16;
 
 impl PendingKeyframe {
     /// Waits until it is on disk. If it is new and shows an anchor seen before, a loop check is triggered (§III).
-    pub async fn committed(self) -> Result<Stored<KeyframeReport>, ServiceError> {
+    pub async fn committed(self) -> Result<Stored<KeyframeReport>> {
         let (service, map) = (self.service.clone(), self.live.id.clone());
         let stored = self.stored().await?;
         if stored.created && stored.value.revisits {
@@ -52,7 +52,7 @@ impl PendingKeyframe {
         Ok(stored)
     }
 
-    async fn stored(self) -> Result<Stored<KeyframeReport>, ServiceError> {
+    async fn stored(self) -> Result<Stored<KeyframeReport>> {
         let Self { service, live, keyframe, digest, manner, mut begun } = self;
         for _ in 0..PUT_AGAIN_MAX {
             let seq = match begun.committed().await? {
@@ -80,7 +80,7 @@ impl Service {
         map: &MapId,
         keyframe: NewKeyframe,
         digest: Digest,
-    ) -> Result<Stored<KeyframeReport>, ServiceError> {
+    ) -> Result<Stored<KeyframeReport>> {
         let live = self.live(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
     }
@@ -92,7 +92,7 @@ impl Service {
         map: &MapId,
         keyframe: NewKeyframe,
         digest: Digest,
-    ) -> Result<(Stored<KeyframeReport>, QueryAnswer), ServiceError> {
+    ) -> Result<(Stored<KeyframeReport>, QueryAnswer)> {
         let id = keyframe.id.clone();
         let live = self.live(map).await?;
         let stored = self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.stored().await?;
@@ -113,7 +113,7 @@ impl Service {
         map: &PinnedMap,
         keyframe: NewKeyframe,
         digest: Digest,
-    ) -> Result<PendingKeyframe, ServiceError> {
+    ) -> Result<PendingKeyframe> {
         let live = self.live_pinned(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Patient).await
     }
@@ -124,7 +124,7 @@ impl Service {
         keyframe: NewKeyframe,
         digest: Digest,
         manner: Manner,
-    ) -> Result<PendingKeyframe, ServiceError> {
+    ) -> Result<PendingKeyframe> {
         let keyframe = Arc::new(self.compute_bow(keyframe).await?);
         let begun = self.begin_put(&live, keyframe.clone(), digest, manner).await?;
         Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
@@ -137,7 +137,7 @@ impl Service {
         keyframe: Arc<NewKeyframe>,
         digest: Digest,
         manner: Manner,
-    ) -> Result<Begun<Put>, ServiceError> {
+    ) -> Result<Begun<Put>> {
         let (room, service, of_map) = (self.room(live.owner).await?, self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
@@ -171,7 +171,7 @@ impl Service {
         id: &KeyframeId,
         seq: KeyframeSeq,
         digest: Digest,
-    ) -> Result<Option<Stored<KeyframeReport>>, ServiceError> {
+    ) -> Result<Option<Stored<KeyframeReport>>> {
         let Some(row) = self.store.keyframe(live.key, seq).await? else { return Ok(None) };
         if digest != row.digest {
             return Err(ServiceError::Conflict {
@@ -195,7 +195,7 @@ impl Service {
         &self,
         map: &MapId,
         declared: Vec<(usize, KeyframeId)>,
-    ) -> Result<Vec<FieldError>, ServiceError> {
+    ) -> Result<Vec<FieldError>> {
         let live = self.live(map).await?;
         let look = move |state: &State| {
             Ok(unknown_covisible(&state.index, declared.iter().map(|(place, id)| (*place, id))))
@@ -204,7 +204,7 @@ impl Service {
     }
 
     /// Culls a keyframe; anchors and covisibility follow.
-    pub async fn delete_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<u64, ServiceError> {
+    pub async fn delete_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<u64> {
         let live = self.live(map).await?;
         let name = id.clone();
         let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;

@@ -13,7 +13,7 @@ use crate::domain::ids::{MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::locate::likeness::first_others;
 use crate::recognition::locate::locate;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, snapshots};
@@ -45,7 +45,7 @@ impl Service {
         &self,
         request: LocateRequest,
         reaches: impl Fn(&MapId) -> bool,
-    ) -> Result<LocateAnswer, ServiceError> {
+    ) -> Result<LocateAnswer> {
         let are_named = !request.maps.is_empty() && request.maps.iter().all(|map| map.only_map().is_some());
         for _ in 0..if are_named { 0 } else { ASKED_AGAIN_MAX } {
             match self.locate_now(request.clone(), &reaches).await {
@@ -61,7 +61,7 @@ impl Service {
         &self,
         request: LocateRequest,
         reaches: &impl Fn(&MapId) -> bool,
-    ) -> Result<LocateAnswer, ServiceError> {
+    ) -> Result<LocateAnswer> {
         let ids = self.maps_to_ask(&request.maps, reaches).await?;
         let ids = match &request.release {
             Some(name) => self.releases_to_ask(ids, name, &request.maps).await?,
@@ -145,7 +145,7 @@ impl Service {
         chosen: &[Chosen],
         question: &Arc<LocateQuestion>,
         timings: &mut Timings,
-    ) -> Result<bool, ServiceError> {
+    ) -> Result<bool> {
         let mut is_any_new = false;
         for map in chosen.iter().map(|one| one.map).collect::<BTreeSet<usize>>() {
             let MapOfQuestion { asked: of_map, live: Some(live) } = &maps[map] else { continue };
@@ -178,10 +178,7 @@ impl Service {
         Ok(is_any_new)
     }
 
-    async fn own_features(
-        &self,
-        question: &LocateQuestion,
-    ) -> Result<Vec<Option<Arc<MatchableFeatures>>>, ServiceError> {
+    async fn own_features(&self, question: &LocateQuestion) -> Result<Vec<Option<Arc<MatchableFeatures>>>> {
         let mut own = Vec::new();
         for asked in &question.keyframes {
             own.push(match asked.keyframe.features.clone() {
@@ -198,7 +195,7 @@ impl Service {
         maps: &[MapOfQuestion],
         searches: &[MapSearch],
         chosen: &[Chosen],
-    ) -> Result<BTreeMap<usize, FeatureSet>, ServiceError> {
+    ) -> Result<BTreeMap<usize, FeatureSet>> {
         let mut wanted: BTreeMap<usize, WantedFeatures> = BTreeMap::new();
         for one in chosen {
             let pre_verified = &searches[one.map].screenings[one.asked].candidates[one.candidate];

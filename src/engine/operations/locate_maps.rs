@@ -19,7 +19,7 @@ use crate::domain::key::MapPattern;
 use crate::domain::keyframe::Detection;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
 use crate::recognition::locate::selection::score_to_reach;
@@ -64,7 +64,7 @@ impl Service {
         &self,
         patterns: &[MapPattern],
         reaches: impl Fn(&MapId) -> bool,
-    ) -> Result<Vec<MapId>, ServiceError> {
+    ) -> Result<Vec<MapId>> {
         let mut ids: BTreeSet<MapId> = BTreeSet::new();
         // A name without a star must exist; a pattern may name nothing.
         for named in patterns.iter().filter_map(MapPattern::only_map) {
@@ -105,7 +105,7 @@ impl Service {
         ids: Vec<MapId>,
         name: &ReleaseName,
         patterns: &[MapPattern],
-    ) -> Result<Vec<MapId>, ServiceError> {
+    ) -> Result<Vec<MapId>> {
         let mut releases = Vec::new();
         for id in ids {
             let release = id.of_release(name);
@@ -126,7 +126,7 @@ impl Service {
         question: &Arc<LocateQuestion>,
         hinted_map: Option<&MapId>,
         timings: &mut Timings,
-    ) -> Result<(Vec<MapOfQuestion>, Vec<MapSearch>), ServiceError> {
+    ) -> Result<(Vec<MapOfQuestion>, Vec<MapSearch>)> {
         let (mut found, mut unloaded, mut promised_bytes) = (Vec::new(), Vec::new(), 0);
         for id in ids {
             if self.registry.in_memory_now(&id).is_some() {
@@ -165,7 +165,7 @@ impl Service {
         is_hinted: bool,
         promised_bytes: &mut u64,
         timings: &mut Timings,
-    ) -> Result<Option<Unloaded>, ServiceError> {
+    ) -> Result<Option<Unloaded>> {
         let started = Instant::now();
         let permit = self.reads.enter(Tenant::current(None)).await?;
         let (store, registry, handle) = (self.store.clone(), self.registry.clone(), Handle::current());
@@ -206,7 +206,7 @@ impl Service {
         id: &MapId,
         question: &Arc<LocateQuestion>,
         timings: &mut Timings,
-    ) -> Result<Option<(MapOfQuestion, MapSearch)>, ServiceError> {
+    ) -> Result<Option<(MapOfQuestion, MapSearch)>> {
         let started = Instant::now();
         let live = match self.live_or_copy(id).await {
             Err(ServiceError::NotFound(_)) => return Ok(None),

@@ -9,7 +9,7 @@ use crate::domain::report::{LoopReport, Page};
 use crate::domain::request::NewLoop;
 use crate::engine::limits::quota::check_loop;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::geometry::Sim3;
 use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
 use crate::recognition::map::index::MapIndex;
@@ -25,7 +25,7 @@ impl Service {
         map: &MapId,
         new: NewLoop,
         candidate_from_query: Option<Sim3>,
-    ) -> Result<Stored<ConfirmedLoop>, ServiceError> {
+    ) -> Result<Stored<ConfirmedLoop>> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
@@ -59,7 +59,7 @@ impl Service {
         map: &MapId,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<(u64, Page<LoopReport>), ServiceError> {
+    ) -> Result<(u64, Page<LoopReport>)> {
         let live = self.live(map).await?;
         let after: Option<LoopId> =
             cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
@@ -76,7 +76,7 @@ impl Service {
     }
 
     /// Takes a loop back: what it merged parts again.
-    pub async fn revoke_loop(&self, map: &MapId, id: &LoopId) -> Result<(u64, LoopReport), ServiceError> {
+    pub async fn revoke_loop(&self, map: &MapId, id: &LoopId) -> Result<(u64, LoopReport)> {
         let live = self.live(map).await?;
         let id = id.clone();
         let decide = move |index: &mut MapIndex| {
@@ -108,7 +108,7 @@ fn confirmed(index: &MapIndex, id: &LoopId, warning: Option<LoopWarning>) -> Opt
     Some(ConfirmedLoop { report: report(index, id)?, warnings: warning.into_iter().collect() })
 }
 
-fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>, ServiceError> {
+fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>> {
     let closed_alike =
         new.candidate_from_query.is_none() || new.candidate_from_query == known.candidate_from_query;
     let same = known.keyframe_id == new.keyframe
@@ -123,7 +123,7 @@ fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confi
     Err(ServiceError::Conflict { code: "loop_exists", detail })
 }
 
-fn resolve(index: &MapIndex, new: NewLoop) -> Result<Loop, ServiceError> {
+fn resolve(index: &MapIndex, new: NewLoop) -> Result<Loop> {
     let mut errors = Vec::new();
     let mut seq = |pointer: &str, id: &KeyframeId| {
         find(index, id).map_err(|error| errors.push(FieldError::new(pointer, error.to_string()).got(id))).ok()

@@ -12,7 +12,7 @@ use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
 use crate::domain::request::{Digest, MapPatch};
 use crate::engine::limits::shared_turns::Tenant;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
 impl Service {
@@ -24,7 +24,7 @@ impl Service {
         base: MapBase,
         patch: MapPatch,
         owner: Option<KeySeq>,
-    ) -> Result<Stored<MapReport>, ServiceError> {
+    ) -> Result<Stored<MapReport>> {
         let service = self.clone();
         let copying = async move { service.copy_whole(id, base, patch, owner).await };
         tokio::spawn(copying.in_current_span()).await.map_err(ServiceError::panicked)?
@@ -36,7 +36,7 @@ impl Service {
         base: MapBase,
         patch: MapPatch,
         owner: Option<KeySeq>,
-    ) -> Result<Stored<MapReport>, ServiceError> {
+    ) -> Result<Stored<MapReport>> {
         let digest = fingerprint(&base, &patch);
         if let Some(value) = self.made_before(&id, &digest).await? {
             return Ok(Stored { created: false, map_version: value.version, value });

@@ -14,7 +14,7 @@ use crate::domain::report::{MapReport, Page};
 use crate::domain::request::{Digest, MapPatch, NewMap};
 use crate::domain::settings::Settings;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::recognition::map::recorder::Recorder;
 use crate::store::{Job, MapRow, StoreError};
 
@@ -28,7 +28,7 @@ impl Service {
         cursor: Option<&str>,
         limit: usize,
         visible: impl Fn(&MapId) -> bool,
-    ) -> Result<Page<MapReport>, ServiceError> {
+    ) -> Result<Page<MapReport>> {
         let mut after =
             cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
         let mut ids: Vec<MapId> = Vec::new();
@@ -55,7 +55,7 @@ impl Service {
         id: MapId,
         new: NewMap,
         owner: Option<KeySeq>,
-    ) -> Result<Stored<MapReport>, ServiceError> {
+    ) -> Result<Stored<MapReport>> {
         let NewMap { patch, base } = new;
         if let Some(base) = base {
             return self.put_copy(id, base, patch, owner).await;
@@ -70,7 +70,7 @@ impl Service {
         id: MapId,
         properties: MapProperties,
         owner: Option<KeySeq>,
-    ) -> Result<Stored<MapReport>, ServiceError> {
+    ) -> Result<Stored<MapReport>> {
         let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
         if let Some(value) = self.made_before(&id, &digest).await? {
@@ -84,11 +84,7 @@ impl Service {
     }
 
     /// Returns the map of this name if this very request had made it; fails if another one had.
-    pub(super) async fn made_before(
-        &self,
-        id: &MapId,
-        digest: &Digest,
-    ) -> Result<Option<MapReport>, ServiceError> {
+    pub(super) async fn made_before(&self, id: &MapId, digest: &Digest) -> Result<Option<MapReport>> {
         let mut row = self.map_row(id).await?;
         if row.is_none() {
             // It may be on its way to the disk for a client that went away.
@@ -106,7 +102,7 @@ impl Service {
     }
 
     /// Returns a map as committed: from its row, so that it need not be in memory.
-    pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
+    pub async fn get_map(&self, id: &MapId) -> Result<MapReport> {
         // Where others may own it, only its owner knows that the database told the newest version.
         let is_shared = self.store.is_shared();
         let live = if is_shared { Some(self.live(id).await?) } else { self.registry.in_memory_now(id) };
@@ -119,13 +115,13 @@ impl Service {
         Ok(report)
     }
 
-    async fn map_row(&self, id: &MapId) -> Result<Option<MapRow>, ServiceError> {
+    async fn map_row(&self, id: &MapId) -> Result<Option<MapRow>> {
         Ok(self.store.map_rows(std::slice::from_ref(id)).await?.pop())
     }
 
     /// Changes a map's description, classes or settings. What the settings decided before (which detection
     /// joined which anchor) stays; what is derived (states, matches, covisibility) follows at once.
-    pub async fn patch_map(&self, id: &MapId, patch: MapPatch) -> Result<MapReport, ServiceError> {
+    pub async fn patch_map(&self, id: &MapId, patch: MapPatch) -> Result<MapReport> {
         let live = self.live(id).await?;
         self.change(&live, move |index| {
             let properties = patched(index.properties(), patch)?;
@@ -138,7 +134,7 @@ impl Service {
     }
 
     /// Deletes a map with everything in it; whoever asks for it meanwhile waits for what the disk says.
-    pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
+    pub async fn delete_map(&self, id: &MapId) -> Result<()> {
         let birth = self.registry.births.clone().lock_owned().await;
         let live = match self.live(id).await {
             Err(ServiceError::Damaged(_)) => return self.delete_damaged(id).await,
@@ -167,7 +163,7 @@ impl Service {
     }
 
     /// Deletes a map that cannot be loaded; its name is free again then.
-    async fn delete_damaged(&self, id: &MapId) -> Result<(), ServiceError> {
+    async fn delete_damaged(&self, id: &MapId) -> Result<()> {
         self.disk_takes(true).await?;
         let key = self.key_of(id).await?;
         self.store.committer().commit(Job::DeleteMap(key)).await?;
@@ -193,7 +189,7 @@ fn fingerprint(properties: &MapProperties) -> Digest {
     Sha256::digest(format!("{said:?}{gravity}")).into()
 }
 
-pub(super) fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
+pub(super) fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties> {
     let mut properties = before.clone();
     if let Some(description) = patch.description {
         properties.description = description;

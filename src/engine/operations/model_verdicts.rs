@@ -5,13 +5,13 @@ use crate::domain::invalid::FieldError;
 use crate::domain::judged::CropRead;
 use crate::domain::request::NewVerdict;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Applies what a model said elsewhere. Returns the map's version, and whether it changed anything.
-    pub async fn bring_verdict(&self, map: &MapId, new: NewVerdict) -> Result<(u64, bool), ServiceError> {
+    pub async fn bring_verdict(&self, map: &MapId, new: NewVerdict) -> Result<(u64, bool)> {
         let live = self.live(map).await?;
         let (service, of_map) = (self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
@@ -39,7 +39,7 @@ impl Service {
 }
 
 /// Returns the reading of a crop with the anchor that its detection feeds; `None` if it feeds none.
-fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>, ServiceError> {
+fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>> {
     let NewVerdict::OfCrop(named, reading) = new else { return Ok(None) };
     let Some(keyframe) = index.keyframe_seq(&named.keyframe) else {
         let fault = FieldError::new("/keyframe", "there is no such keyframe in the map").got(&named.keyframe);

@@ -6,7 +6,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::request::{ChangedKeyframe, ChangedObservations};
 use crate::engine::limits::quota::check_observations;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::observations::{
     CHANGED_PAIRS_MAX, TooManyPairs, change_observations, keyframes_of,
 };
@@ -32,7 +32,7 @@ impl Service {
         &self,
         map: &MapId,
         changed: ChangedObservations,
-    ) -> Result<(ChangedCounts, u64), ServiceError> {
+    ) -> Result<(ChangedCounts, u64)> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {

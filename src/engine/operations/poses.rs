@@ -5,13 +5,13 @@ use crate::domain::invalid::FieldError;
 use crate::domain::request::PoseCorrection;
 use crate::engine::limits::quota::check_points;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::correction::{Correction, correct};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Applies a correction, all of it or nothing; anchors' boxes follow.
-    pub async fn correct_poses(&self, map: &MapId, correction: PoseCorrection) -> Result<u64, ServiceError> {
+    pub async fn correct_poses(&self, map: &MapId, correction: PoseCorrection) -> Result<u64> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {

@@ -7,13 +7,13 @@ use crate::domain::prior::{NewPrior, id_form, is_servers_form};
 use crate::domain::report::AnchorReport;
 use crate::engine::limits::quota::check_prior;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::recognition::anchors::prior_anchors::{MAX_PRIORS, add_prior, prior_as_sent, prior_faults};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Puts a prior anchor, or finds that this very request had done so.
-    pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<Stored<AnchorReport>, ServiceError> {
+    pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<Stored<AnchorReport>> {
         check_id(&new)?;
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
@@ -44,7 +44,7 @@ impl Service {
 }
 
 /// Rejects a name that the server may give to an anchor of its own.
-fn check_id(new: &NewPrior) -> Result<(), ServiceError> {
+fn check_id(new: &NewPrior) -> Result<()> {
     if !is_servers_form(new.id.as_str()) {
         return Ok(());
     }

@@ -20,7 +20,7 @@ use crate::engine::bow::check_vocabulary;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
 use crate::recognition::loops::check_loop::screen;
 use crate::recognition::loops::check_loop::verify_and_decide;
@@ -77,7 +77,7 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         query: LoopQuery,
-    ) -> Result<QueryAnswer, ServiceError> {
+    ) -> Result<QueryAnswer> {
         let mut query = query;
         if let Subject::Inline(keyframe, _) = &mut query.subject {
             **keyframe = self.compute_bow((**keyframe).clone()).await?;
@@ -107,7 +107,7 @@ impl Service {
         }
     }
 
-    async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer, ServiceError> {
+    async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer> {
         let mut timings = Timings::default();
         let started = Instant::now();
         let bow = self.bow_of(live, &query.subject).await?;
@@ -157,7 +157,7 @@ impl Service {
     }
 
     /// Returns the bag of words of a stored keyframe; it lies on disk only.
-    async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector, ServiceError> {
+    async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector> {
         let Subject::Stored(id) = subject else { return Ok(BowVector::default()) };
         let name = id.clone();
         let (_, seq) = self.glance(live, move |state| find(&state.index, &name)).await?;
@@ -176,7 +176,7 @@ fn screen_subject(
     query: &LoopQuery,
     bow: &BowVector,
     roles: Roles,
-) -> Result<Screening, ServiceError> {
+) -> Result<Screening> {
     let subject = match &query.subject {
         Subject::Stored(keyframe) => {
             let seq = find(index, keyframe)?;

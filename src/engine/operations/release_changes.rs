@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::release::ReleaseChanges;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::changes_between::{ComparedVersion, changes_between};
 
 impl Service {
@@ -17,7 +17,7 @@ impl Service {
         since: &ReleaseName,
         until: Option<&ReleaseName>,
         limit: usize,
-    ) -> Result<(u64, u64, ReleaseChanges), ServiceError> {
+    ) -> Result<(u64, u64, ReleaseChanges)> {
         let (earlier, before) = self.compared(&self.live_release(map, since).await?).await?;
         let live = match until {
             Some(name) => self.live_release(map, name).await?,
@@ -30,7 +30,7 @@ impl Service {
     }
 
     /// Takes what is compared of a map, with its version.
-    async fn compared(&self, live: &Arc<LiveMap>) -> Result<(u64, ComparedVersion), ServiceError> {
+    async fn compared(&self, live: &Arc<LiveMap>) -> Result<(u64, ComparedVersion)> {
         self.read(live, |state| Ok(ComparedVersion::of(&state.index))).await
     }
 }

@@ -17,7 +17,7 @@ use crate::engine::limits::quota::check_release;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
 /// Releases of a map, at most: each takes as much disk as the map.
@@ -31,7 +31,7 @@ impl Service {
         map: &MapId,
         name: ReleaseName,
         wanted: NewRelease,
-    ) -> Result<Stored<Release>, ServiceError> {
+    ) -> Result<Stored<Release>> {
         let live = self.live(map).await?;
         let service = self.clone();
         let publication = async move { service.publish_live(&live, name, wanted).await };
@@ -43,7 +43,7 @@ impl Service {
         live: &Arc<LiveMap>,
         name: ReleaseName,
         wanted: NewRelease,
-    ) -> Result<Stored<Release>, ServiceError> {
+    ) -> Result<Stored<Release>> {
         // Who asks for the same release again waits for the one that is under way.
         let _publishing = live.publishing.lock().await;
         let digest = fingerprint(&wanted);
@@ -114,7 +114,7 @@ impl Service {
         live: &LiveMap,
         name: &ReleaseName,
         digest: &Digest,
-    ) -> Result<Option<Release>, ServiceError> {
+    ) -> Result<Option<Release>> {
         match self.store.release(live.key, name).await? {
             Some((release, made_by)) if made_by == *digest => Ok(Some(release)),
             Some(_) => {
@@ -132,7 +132,7 @@ impl Service {
         map: &MapId,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<Page<Release>, ServiceError> {
+    ) -> Result<Page<Release>> {
         let after =
             cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
         let key = self.key_of(map).await?;
@@ -144,19 +144,19 @@ impl Service {
     }
 
     /// Returns a release of a map.
-    pub async fn get_release(&self, map: &MapId, name: &ReleaseName) -> Result<Release, ServiceError> {
+    pub async fn get_release(&self, map: &MapId, name: &ReleaseName) -> Result<Release> {
         let key = self.key_of(map).await?;
         let found = self.store.release(key, name).await?;
         found.map(|(release, _)| release).ok_or_else(|| no_release(map, name))
     }
 
-    async fn release_of(&self, live: &LiveMap, name: &ReleaseName) -> Result<Release, ServiceError> {
+    async fn release_of(&self, live: &LiveMap, name: &ReleaseName) -> Result<Release> {
         let found = self.store.release(live.key, name).await?;
         found.map(|(release, _)| release).ok_or_else(|| no_release(&live.id, name))
     }
 
     /// Deletes a release; robots that ask it hear that it is not there.
-    pub async fn delete_release(&self, map: &MapId, name: &ReleaseName) -> Result<(), ServiceError> {
+    pub async fn delete_release(&self, map: &MapId, name: &ReleaseName) -> Result<()> {
         self.get_release(map, name).await?;
         self.delete_map(&map.of_release(name)).await.map_err(|error| match error {
             ServiceError::NotFound(_) => no_release(map, name),
@@ -169,7 +169,7 @@ impl Service {
         &self,
         map: &MapId,
         name: &ReleaseName,
-    ) -> Result<Arc<LiveMap>, ServiceError> {
+    ) -> Result<Arc<LiveMap>> {
         let id = map.of_release(name);
         let mut found = self.registry.get(&self.store, &id, Used::ByClient).await;
         if let Ok(copy) = &found

@@ -5,7 +5,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::engine::limits::quota::check_merge;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::session_merge::{
     is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
 };
@@ -34,7 +34,7 @@ impl Service {
         &self,
         map: &MapId,
         request: SessionMergeRequest,
-    ) -> Result<(MergedCounts, u64), ServiceError> {
+    ) -> Result<(MergedCounts, u64)> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
@@ -70,7 +70,7 @@ impl Service {
     }
 
     /// Takes the merge of a session back, and returns how many keyframes moved.
-    pub async fn revoke_merge(&self, map: &MapId, session: SessionId) -> Result<(usize, u64), ServiceError> {
+    pub async fn revoke_merge(&self, map: &MapId, session: SessionId) -> Result<(usize, u64)> {
         let live = self.live(map).await?;
         let wanted = session.clone();
         let (_, found) = self.read(&live, move |state| driven(&state.index, &wanted)).await?;
@@ -90,7 +90,7 @@ impl Service {
 }
 
 /// Returns the number of a session that robots drive or drove.
-fn driven(index: &MapIndex, id: &SessionId) -> Result<SessionSeq, ServiceError> {
+fn driven(index: &MapIndex, id: &SessionId) -> Result<SessionSeq> {
     let missing = || ServiceError::NotFound(format!("there is no session {id} in this map"));
     let session = index.session(id).ok_or_else(missing)?;
     if index.priors().is_frame(session) {

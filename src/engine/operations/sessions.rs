@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::domain::ids::{MapId, SessionId, SessionSeq};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::{AlignmentReport, Page, SessionReport};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
 use crate::recognition::plans::plan_alignment::PlanAlignment;
@@ -17,7 +17,7 @@ impl Service {
         map: &MapId,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<(u64, Page<SessionReport>), ServiceError> {
+    ) -> Result<(u64, Page<SessionReport>)> {
         let live = self.live(map).await?;
         let after = cursor.map(str::to_owned);
         self.read(&live, move |state| {
@@ -42,7 +42,7 @@ impl Service {
 }
 
 /// Returns the number of the session that follows the one that a cursor names.
-fn after_session(index: &MapIndex, cursor: &str) -> Result<usize, ServiceError> {
+fn after_session(index: &MapIndex, cursor: &str) -> Result<usize> {
     let id: Option<SessionId> = cursor.parse().ok();
     let named = id.and_then(|id| index.session(&id));
     named.map(|session| session.index() + 1).ok_or_else(|| ServiceError::bad_cursor(cursor))

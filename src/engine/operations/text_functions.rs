@@ -7,7 +7,7 @@ use crate::domain::key::KeySeq;
 use crate::domain::prior::AnchorKey;
 use crate::domain::report::{UsageLine, UsageReport};
 use crate::engine::keys::access::Access;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::llm::daily_limits::{Limits, Payer};
 use crate::llm::judge::{Judge, Judged, Merged};
 
@@ -79,7 +79,7 @@ impl Service {
         &self,
         map: &MapId,
         anchor: impl Into<AnchorKey>,
-    ) -> Result<(u64, Vec<Transcript>), ServiceError> {
+    ) -> Result<(u64, Vec<Transcript>)> {
         let live = self.live(map).await?;
         let key = anchor.into();
         let (version, readings) = self

@@ -5,16 +5,12 @@ use std::collections::HashSet;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{KeyframeId, MapId, SessionId, SessionSeq};
 use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Returns the trajectories of a map, or of one of its sessions with the loops within it.
-    pub async fn trajectory(
-        &self,
-        map: &MapId,
-        session: Option<SessionId>,
-    ) -> Result<TrajectoryReport, ServiceError> {
+    pub async fn trajectory(&self, map: &MapId, session: Option<SessionId>) -> Result<TrajectoryReport> {
         let live = self.live(map).await?;
         let chosen = move |index: &MapIndex| {
             let Some(id) = &session else { return Ok(None) };
@@ -38,7 +34,7 @@ impl Service {
         map: &MapId,
         session: Option<SessionId>,
         reference: Option<SessionId>,
-    ) -> Result<TrajectoryReport, ServiceError> {
+    ) -> Result<TrajectoryReport> {
         let frames = self.frames(map, reference).await?;
         let mut report = self.trajectory(map, session).await?;
         let mut unjoined = Vec::new();

@@ -9,7 +9,7 @@ use crate::domain::change::Twins;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::NewKeyframe;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::recognition::extensions::twins::{Suspects, are_looked_for, found, suspects};
 use crate::recognition::loops::features::MatchableFeatures;
 use crate::recognition::loops::query::Query;
@@ -54,7 +54,7 @@ impl Service {
         index: &MapIndex,
         (keyframe, new): (KeyframeSeq, Option<&NewKeyframe>),
         bow: &BowVector,
-    ) -> Result<Option<Twins>, ServiceError> {
+    ) -> Result<Option<Twins>> {
         let query = Query::stored(index, keyframe, bow);
         let Some(suspects) = query.and_then(|query| suspects(index, &query)) else { return Ok(None) };
         Handle::current().block_on(async {
@@ -72,7 +72,7 @@ impl Service {
         suspects: &Suspects,
         keyframe: KeyframeSeq,
         own: Option<Arc<MatchableFeatures>>,
-    ) -> Result<Option<Twins>, ServiceError> {
+    ) -> Result<Option<Twins>> {
         // Whatever was decided before has features to be read; the writer needs no lock of the map.
         live.on_disk(&self.store, live.newest_version()).await?;
         for at in suspects.places() {

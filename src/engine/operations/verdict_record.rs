@@ -14,12 +14,12 @@ use crate::domain::verdict::{Decision, Verify};
 use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{LiveMap, State};
-use crate::engine::{QueryAnswer, Service, ServiceError};
+use crate::engine::{QueryAnswer, Result, Service, ServiceError};
 use crate::store::GivenAnswer;
 
 impl Service {
     /// Answers a loop query, and records the answer. Changes nothing else, and calls no model.
-    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
+    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer> {
         let live = match &query.release {
             Some(name) => self.live_release(map, name).await?,
             None => self.live(map).await?,
@@ -35,11 +35,7 @@ impl Service {
     }
 
     /// Returns the session of the keyframe that is asked about.
-    async fn session_of(
-        &self,
-        live: &Arc<LiveMap>,
-        subject: &Subject,
-    ) -> Result<Option<SessionId>, ServiceError> {
+    async fn session_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<Option<SessionId>> {
         let keyframe = match subject {
             Subject::Inline(keyframe, _) => return Ok(Some(keyframe.session.clone())),
             Subject::Stored(id) => id.clone(),
@@ -51,11 +47,7 @@ impl Service {
         Ok(self.glance(live, look).await?.1)
     }
 
-    async fn answer_and_record(
-        &self,
-        live: &Arc<LiveMap>,
-        query: LoopQuery,
-    ) -> Result<QueryAnswer, ServiceError> {
+    async fn answer_and_record(&self, live: &Arc<LiveMap>, query: LoopQuery) -> Result<QueryAnswer> {
         let answer = self.answer(live, query).await?;
         self.verdicts.add(answer.verdict.decision);
         // Written behind, bounded, oldest out first.
@@ -74,7 +66,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: KeyframeId,
-    ) -> Result<QueryAnswer, ServiceError> {
+    ) -> Result<QueryAnswer> {
         self.loop_query(map, about(keyframe)).await
     }
 
@@ -84,7 +76,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: KeyframeId,
-    ) -> Result<QueryAnswer, ServiceError> {
+    ) -> Result<QueryAnswer> {
         let live = self.live(map).await?;
         let answer = self.answer_and_record(&live, about(keyframe.clone())).await?;
         let stopped_by = answer.verdict.candidates.first().and_then(|candidate| candidate.reason.as_ref());
@@ -110,7 +102,7 @@ impl Service {
         filter: &VerdictFilter,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<Page<ListedVerdict>, ServiceError> {
+    ) -> Result<Page<ListedVerdict>> {
         let before = cursor
             .map_or(Ok(i64::MAX), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)))?;
         let key = match release {
@@ -127,7 +119,7 @@ impl Service {
     }
 
     /// Returns a recorded answer.
-    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
+    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes> {
         // One that is on its way to the disk keeps its map in memory.
         let live = self.registry.in_memory_now(map);
         if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
