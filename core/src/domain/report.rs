@@ -1,5 +1,7 @@
 //! What a reader is shown of a map: derived views, never facts.
 
+use serde::{Deserialize, Serialize};
+
 use super::anchor::{AnchorState, Outcome};
 use super::fleet_frames::Suspect;
 use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, SessionId};
@@ -253,12 +255,13 @@ pub struct LoopReport {
     pub merged: Vec<MergeReport>,
 }
 
-/// A backup that is verified and on disk.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A backup that is verified and on disk; serialised, the note beside it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackupReport {
     /// Its name.
     pub id: BackupId,
     /// The time of the request: everything acknowledged before is in it.
+    #[serde(flatten, with = "Created")]
     pub created: Stamp,
     /// Its size.
     pub bytes: u64,
@@ -272,6 +275,16 @@ pub struct BackupReport {
     pub keyframes: u64,
     /// Anchors in it, merged ones too.
     pub anchors: u64,
+}
+
+/// The time of a backup in its note.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Stamp")]
+struct Created {
+    #[serde(rename = "created_sec")]
+    sec: i64,
+    #[serde(rename = "created_nanosec")]
+    nanosec: u32,
 }
 
 /// The questions to models, and their cost.

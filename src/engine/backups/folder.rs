@@ -14,7 +14,6 @@ use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
 
-use super::note::Note;
 use crate::config::logging::in_span;
 use crate::domain::ids::BackupId;
 use crate::domain::keyframe::Stamp;
@@ -163,7 +162,7 @@ impl BackupFolder {
     fn write_note(&self, report: &BackupReport) -> Result<()> {
         let failed =
             |error: &std::io::Error| ServiceError::from(StoreError::file(&self.note(&report.id), error));
-        let bytes = serde_json::to_vec(&Note::of(report)).unwrap_or_default();
+        let bytes = serde_json::to_vec(report).unwrap_or_default();
         let mut file = tempfile::Builder::new()
             .suffix(PARTIAL)
             .tempfile_in(&self.folder)
@@ -175,9 +174,9 @@ impl BackupFolder {
 
     /// Returns a backup whose two files are there.
     fn find(&self, id: &BackupId) -> Option<BackupReport> {
-        let note: Note = serde_json::from_slice(&fs::read(self.note(id)).ok()?).ok()?;
-        let is_there = fs::metadata(self.database(id)).is_ok_and(|file| file.len() == note.bytes);
-        (is_there && note.id == id.as_str()).then(|| note.report(id.clone()))
+        let noted: BackupReport = serde_json::from_slice(&fs::read(self.note(id)).ok()?).ok()?;
+        let is_there = fs::metadata(self.database(id)).is_ok_and(|file| file.len() == noted.bytes);
+        (is_there && noted.id == *id).then_some(noted)
     }
 
     /// Returns the backups, the newest first.
