@@ -29,46 +29,37 @@ impl Keyring {
         let mut tries = 0;
         loop {
             tries += 1;
-            match self.create_next(properties.clone(), lockout).await {
-                // Another server made one of this number meanwhile.
-                Err((error, Some(seq))) if tries < CREATED_AGAIN_MAX => {
+            self.reload().await?;
+            let keys = self.list();
+            let is_first = keys.is_empty();
+            if is_first && lockout == Lockout::Refused {
+                check_first_key(&properties)?;
+            }
+            check_reach(&properties)?;
+            if keys.len() >= KEYS_MAX {
+                let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
+                return Err(ServiceError::Conflict { code: "too_many_keys", detail });
+            }
+            let seq = KeySeq(keys.last().map_or(0, |last| last.seq.0) + 1);
+            let secret = new_secret()?;
+            let properties = properties.clone();
+            let key = Key { seq, properties, created_sec: now().sec, revoked_sec: None };
+            let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
+            let created = self.store.committer().commit(Job::CreateKey(Box::new(row))).await;
+            if let Err(error) = created {
+                // Another server may have made one of this number meanwhile.
+                if tries < CREATED_AGAIN_MAX {
                     self.reload().await?;
-                    if self.held(seq).is_none() {
-                        return Err(error);
+                    if self.held(seq).is_some() {
+                        continue;
                     }
                 }
-                made => return made.map_err(|(error, _)| error),
+                return Err(error.into());
             }
+            self.reload().await?;
+            tracing::info!(key = %seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
+            return Ok(MadeKey { key, secret, is_first });
         }
-    }
-
-    /// Makes a key with the number that is next; an error names it, if that may be taken.
-    async fn create_next(
-        &self,
-        properties: KeyProperties,
-        lockout: Lockout,
-    ) -> Result<MadeKey, (ServiceError, Option<KeySeq>)> {
-        let refused = |error: ServiceError| (error, None);
-        self.reload().await.map_err(refused)?;
-        let keys = self.list();
-        let is_first = keys.is_empty();
-        if is_first && lockout == Lockout::Refused {
-            check_first_key(&properties).map_err(refused)?;
-        }
-        check_reach(&properties).map_err(refused)?;
-        if keys.len() >= KEYS_MAX {
-            let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
-            return Err(refused(ServiceError::Conflict { code: "too_many_keys", detail }));
-        }
-        let seq = KeySeq(keys.last().map_or(0, |last| last.seq.0) + 1);
-        let secret = new_secret().map_err(refused)?;
-        let key = Key { seq, properties, created_sec: now().sec, revoked_sec: None };
-        let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
-        let created = self.store.committer().commit(Job::CreateKey(Box::new(row))).await;
-        created.map_err(|error| (error.into(), Some(seq)))?;
-        self.reload().await.map_err(refused)?;
-        tracing::info!(key = %key.seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
-        Ok(MadeKey { key, secret, is_first })
     }
 
     /// Revokes a key; revoking it again changes nothing.
