@@ -23,35 +23,23 @@ pub enum ServiceError {
         detail: String,
     },
     /// What the request continues is gone.
-    #[error("{detail}")]
-    Gone {
-        /// A sentence for people.
-        detail: String,
-    },
+    #[error("{0}")]
+    Gone(String),
     /// The thing has another version than the client believes.
-    #[error("{detail}")]
-    PreconditionFailed {
-        /// A sentence for people.
-        detail: String,
-    },
+    #[error("{0}")]
+    PreconditionFailed(String),
     /// The body means nothing here; every offending field is named.
     #[error("{} fields of the body cannot be accepted", .0.len())]
     Invalid(Vec<FieldError>),
     /// The request or the map is too large.
-    #[error("{detail}")]
-    TooLarge {
-        /// A sentence for people.
-        detail: String,
-    },
+    #[error("{0}")]
+    TooLarge(String),
     /// The disk is full: writes are refused, reads and deletes go on.
     #[error("the disk is full; nothing was written")]
     DiskFull,
     /// The map's quota is used up: writes to it are refused, reads and deletes go on.
-    #[error("{detail}")]
-    MapFull {
-        /// A sentence for people.
-        detail: String,
-    },
+    #[error("{0}")]
+    MapFull(String),
     /// Not now.
     #[error("{detail}")]
     Unavailable {
@@ -61,11 +49,8 @@ pub enum ServiceError {
         retry_after_s: u32,
     },
     /// There is more to do than can be done; nothing was begun.
-    #[error("{detail}")]
-    Overloaded {
-        /// A sentence for people.
-        detail: String,
-    },
+    #[error("{0}")]
+    Overloaded(String),
     /// A map is damaged on disk; the text names the map and the row.
     #[error("{0}")]
     Damaged(String),
@@ -80,7 +65,12 @@ pub enum ServiceError {
 impl ServiceError {
     /// Returns the error of a service that is closing.
     pub(super) fn closed() -> Self {
-        Self::Unavailable { detail: "the service is closing".to_owned(), retry_after_s: 1 }
+        Self::unavailable("the service is closing")
+    }
+
+    /// Returns the error of what may well be served a second later.
+    pub(super) fn unavailable(detail: impl Into<String>) -> Self {
+        Self::Unavailable { detail: detail.into(), retry_after_s: 1 }
     }
 
     pub(super) fn panicked(error: tokio::task::JoinError) -> Self {
@@ -115,7 +105,7 @@ impl From<StoreError> for ServiceError {
             | StoreError::Busy
             | StoreError::Fenced
             | StoreError::Away(_)
-            | StoreError::Disk(_) => Self::Unavailable { detail: error.to_string(), retry_after_s: 1 },
+            | StoreError::Disk(_) => Self::unavailable(error.to_string()),
             StoreError::Damaged { .. } => Self::Damaged(format!("{error}; other maps are not affected")),
             StoreError::Database(_)
             | StoreError::Corrupt(_)

@@ -156,7 +156,6 @@ impl Service {
         if membership.should_have(id) {
             return Ok(());
         }
-        let detail = "another server should have this map; ask it, or try again".to_owned();
-        Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
+        Err(ServiceError::unavailable("another server should have this map; ask it, or try again"))
     }
 }

@@ -93,7 +93,7 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
                             app.metrics.forwarded("copied");
                             return with_owner(next.run(request).await, &node.address);
                         }
-                        Err(error @ ServiceError::PreconditionFailed { .. }) => {
+                        Err(error @ ServiceError::PreconditionFailed(_)) => {
                             return with_owner(Problem::from(error).into_response(), &node.address);
                         }
                         // The owner may still know.

@@ -188,16 +188,16 @@ impl From<ServiceError> for Problem {
         match error {
             ServiceError::NotFound(detail) => Self::new(Kind::NOT_FOUND, detail),
             ServiceError::Conflict { code, detail } => Self { code, ..Self::new(Kind::CONFLICT, detail) },
-            ServiceError::Gone { detail } => Self::new(Kind::GONE, detail),
-            ServiceError::PreconditionFailed { detail } => Self::new(Kind::PRECONDITION_FAILED, detail),
+            ServiceError::Gone(detail) => Self::new(Kind::GONE, detail),
+            ServiceError::PreconditionFailed(detail) => Self::new(Kind::PRECONDITION_FAILED, detail),
             ServiceError::Invalid(errors) => Self::invalid(errors),
-            ServiceError::TooLarge { detail } => Self::new(Kind::TOO_LARGE, detail),
+            ServiceError::TooLarge(detail) => Self::new(Kind::TOO_LARGE, detail),
             ServiceError::DiskFull => Self::new(Kind::DISK_FULL, "writes fail; reads and deletes still work"),
-            ServiceError::MapFull { detail } => Self::new(Kind::MAP_FULL, detail),
+            ServiceError::MapFull(detail) => Self::new(Kind::MAP_FULL, detail),
             ServiceError::Unavailable { detail, retry_after_s } => {
                 Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }
             }
-            ServiceError::Overloaded { detail } => Self::overloaded(detail),
+            ServiceError::Overloaded(detail) => Self::overloaded(detail),
             ServiceError::Damaged(detail) => Self::logged(Kind::MAP_DAMAGED, detail),
             ServiceError::NotVerified(detail) => Self::logged(Kind::NOT_VERIFIED, detail),
             ServiceError::Internal(cause) => Self::internal(cause),

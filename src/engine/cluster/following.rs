@@ -89,8 +89,9 @@ impl Service {
                 return live.on_disk(&self.store, at).await;
             }
             if Instant::now() >= deadline {
-                let detail = format!("map {map} is at version {at}, and not at {version} yet; try again");
-                return Err(ServiceError::PreconditionFailed { detail });
+                return Err(ServiceError::PreconditionFailed(format!(
+                    "map {map} is at version {at}, and not at {version} yet; try again"
+                )));
             }
             sleep(LOOKS_EVERY).await;
         }
@@ -226,6 +227,5 @@ impl Service {
 }
 
 fn not_up_to_date() -> ServiceError {
-    let detail = "the copy of this map is not up to date; its owner answers".to_owned();
-    ServiceError::Unavailable { detail, retry_after_s: 1 }
+    ServiceError::unavailable("the copy of this map is not up to date; its owner answers")
 }

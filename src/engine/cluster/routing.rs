@@ -52,7 +52,7 @@ impl Service {
                 // One that came since the last renewal, or came back.
                 membership.node(&id).or(node).map(Route::At).ok_or_else(|| {
                     let detail = "the server that has this map is not heard of; another one takes it soon";
-                    ServiceError::Unavailable { detail: detail.to_owned(), retry_after_s: 1 }
+                    ServiceError::unavailable(detail.to_owned())
                 })
             }
             // One that is to be made is made where it should be.

@@ -65,7 +65,7 @@ impl ConcurrencyLimit {
 }
 
 fn overloaded() -> ServiceError {
-    ServiceError::Overloaded { detail: "too many requests wait for their turn".to_owned() }
+    ServiceError::Overloaded("too many requests wait for their turn".to_owned())
 }
 
 /// Counts one who waits, until dropped: a client may go away while it waits.
@@ -98,7 +98,7 @@ mod tests {
         };
         let inside = gate.enter().await.unwrap();
         let (first, second) = tokio::join!(gate.enter(), gate.enter());
-        let refused = |result: Result<_>| matches!(result, Err(ServiceError::Overloaded { .. }));
+        let refused = |result: Result<_>| matches!(result, Err(ServiceError::Overloaded(_)));
         assert!(refused(first.map(drop)), "it has waited long enough");
         assert!(refused(second.map(drop)), "there was no room for it");
         drop(inside);

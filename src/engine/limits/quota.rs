@@ -34,12 +34,11 @@ impl KeyRoom {
         if self.holds.saturating_add(more) <= self.most {
             return Ok(());
         }
-        let detail = format!(
+        Err(ServiceError::MapFull(format!(
             "the maps of the key that made this one hold {} bytes with their releases, and may hold {}; delete some, or ask the \
              operator",
             self.holds, self.most
-        );
-        Err(ServiceError::MapFull { detail })
+        )))
     }
 }
 
@@ -143,9 +142,7 @@ fn over(quota: Option<u64>, after: u64) -> Option<u64> {
 }
 
 fn full(what: &str, holds: u64, most: u64) -> ServiceError {
-    ServiceError::MapFull {
-        detail: format!(
-            "the map holds {holds} {what}, and may hold {most}; delete some, or ask the operator"
-        ),
-    }
+    ServiceError::MapFull(format!(
+        "the map holds {holds} {what}, and may hold {most}; delete some, or ask the operator"
+    ))
 }

@@ -27,9 +27,8 @@ impl Service {
         if maps < u64::from(most) {
             return Ok(());
         }
-        let detail = format!(
+        Err(ServiceError::MapFull(format!(
             "the key has made {maps} maps that exist, and may have {most}; delete some, or ask the operator"
-        );
-        Err(ServiceError::MapFull { detail })
+        )))
     }
 }

@@ -36,11 +36,9 @@ impl Registry {
                 return Ok(live);
             }
         }
-        Err(ServiceError::Unavailable {
-            detail: "this map is loaded again and again, because writes to it fail or it comes and goes"
-                .to_owned(),
-            retry_after_s: 1,
-        })
+        Err(ServiceError::unavailable(
+            "this map is loaded again and again, because writes to it fail or it comes and goes",
+        ))
     }
 
     /// Returns the map of a cell, loaded if need be. A load goes to its end when its client has gone: the next one finds the map.
@@ -132,9 +130,6 @@ async fn taken(store: &Store, id: &MapId) -> Result<Standing> {
             Ok(Standing::Owner(lease))
         }
         Some(Taken::NoMap) => Err(ServiceError::no_map(id)),
-        Some(Taken::Elsewhere) => Err(ServiceError::Unavailable {
-            detail: "another server has this map; try again".to_owned(),
-            retry_after_s: 1,
-        }),
+        Some(Taken::Elsewhere) => Err(ServiceError::unavailable("another server has this map; try again")),
     }
 }

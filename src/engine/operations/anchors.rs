@@ -177,9 +177,10 @@ fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> 
         return Err(ServiceError::Conflict { code: "anchor_merged", detail });
     }
     match expected {
-        Some(expected) if expected != stored.version => Err(ServiceError::PreconditionFailed {
-            detail: format!("the anchor has version {}, not {expected}; read it again", stored.version),
-        }),
+        Some(expected) if expected != stored.version => Err(ServiceError::PreconditionFailed(format!(
+            "the anchor has version {}, not {expected}; read it again",
+            stored.version
+        ))),
         _ => Ok(()),
     }
 }

@@ -35,12 +35,10 @@ impl Service {
             let kept =
                 self.store.kept_events(pinned.key()).await?.ok_or_else(|| ServiceError::no_map(map))?;
             if since >= kept.end || since.saturating_add(1) < kept.start {
-                return Err(ServiceError::Gone {
-                    detail: format!(
-                        "map {map} has no event {since}: it was deleted and made again, or the event is too old to be \
+                return Err(ServiceError::Gone(format!(
+                    "map {map} has no event {since}: it was deleted and made again, or the event is too old to be \
                          kept; read the map anew and listen with since=0"
-                    ),
-                });
+                )));
             }
         }
         Ok((pinned, listener))

@@ -68,8 +68,7 @@ impl PendingKeyframe {
             // Culled since it was found: it is not there any more, so this request stores it.
             begun = service.begin_put(&live, keyframe.clone(), digest, manner).await?;
         }
-        let detail = format!("keyframe {} is deleted again and again", keyframe.id);
-        Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
+        Err(ServiceError::unavailable(format!("keyframe {} is deleted again and again", keyframe.id)))
     }
 }
 

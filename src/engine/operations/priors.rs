@@ -29,8 +29,9 @@ impl Service {
                 return Err(ServiceError::Invalid(faults));
             }
             if index.priors().len() >= MAX_PRIORS {
-                let detail = format!("the map holds {MAX_PRIORS} prior anchors, and may hold no more");
-                return Err(ServiceError::MapFull { detail });
+                return Err(ServiceError::MapFull(format!(
+                    "the map holds {MAX_PRIORS} prior anchors, and may hold no more"
+                )));
             }
             check_prior(&room, index, &new)?;
             let (seq, decided) = add_prior(index, &new);

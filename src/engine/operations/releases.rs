@@ -52,8 +52,9 @@ impl Service {
         }
         let (count, bytes) = self.store.release_sizes(live.key).await?;
         if count >= RELEASES_MAX {
-            let detail = format!("a map has at most {RELEASES_MAX} releases; delete some");
-            return Err(ServiceError::TooLarge { detail });
+            return Err(ServiceError::TooLarge(format!(
+                "a map has at most {RELEASES_MAX} releases; delete some"
+            )));
         }
         let room = self.room(live.owner).await?;
         self.read(live, move |state| check_release(&room, &state.index, bytes)).await?;

@@ -53,9 +53,7 @@ impl Service {
             };
             if keyframes.len() > limit {
                 let detail = format!("the session has {} {what}", keyframes.len());
-                return Err(ServiceError::TooLarge {
-                    detail: format!("{detail}, and at most {limit} may merge"),
-                });
+                return Err(ServiceError::TooLarge(format!("{detail}, and at most {limit} may merge")));
             }
             check_merge(&room, index, &request, &keyframes)?;
             let merged = merge_sessions(index, session, &request);

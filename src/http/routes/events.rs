@@ -71,7 +71,7 @@ pub async fn listen(
 
 /// Names the client's parameter if it is the cause.
 fn unresumed(error: ServiceError, place: &str, from: u64) -> Problem {
-    let is_gone = matches!(error, ServiceError::Gone { .. });
+    let is_gone = matches!(error, ServiceError::Gone(_));
     let problem = Problem::from(error);
     if !is_gone {
         return problem;
