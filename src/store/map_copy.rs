@@ -18,7 +18,7 @@ use crate::store::sql;
 /// Numbers the copies of this process.
 static NEXT_COPY: AtomicU64 = AtomicU64::new(0);
 
-/// A copy of a map that has all rows and no name yet.
+/// A copy of a map that has all rows and no name yet. It is thrown away unless it is finished.
 #[derive(Debug)]
 #[must_use]
 pub struct MapCopy {
@@ -26,6 +26,7 @@ pub struct MapCopy {
     key: MapKey,
     /// The version that was copied.
     pub version: u64,
+    has_name: bool,
 }
 
 impl Store {
@@ -41,7 +42,8 @@ impl Store {
         };
         let result = self.copy_rows(&mut db, map).await;
         db.commit().await?;
-        Ok(Some(MapCopy { store: self.clone(), key: result?, version: version.unsigned_abs() }))
+        let (store, version) = (self.clone(), version.unsigned_abs());
+        Ok(Some(MapCopy { store, key: result?, version, has_name: false }))
     }
 
     async fn copy_rows(&self, db: &mut Transaction, map: MapKey) -> Result<MapKey, StoreError> {
@@ -68,12 +70,12 @@ impl Store {
 
 impl MapCopy {
     /// Gives it its name: from then on it is a map.
-    pub async fn finish(self, copied_as: CopiedAs) -> Result<(), StoreError> {
+    pub async fn finish(mut self, copied_as: CopiedAs) -> Result<(), StoreError> {
         let job = Job::FinishCopy { map: self.key, copied_as: Box::new(copied_as) };
+        // Who no longer waits for the disk may have it named all the same.
+        self.has_name = true;
         let finished = self.store.committer.commit(job).await;
-        if finished.is_err() {
-            self.store.committer.submit_alone(Job::DiscardCopy(self.key));
-        }
+        self.has_name = finished.is_ok();
         finished
     }
 
@@ -86,9 +88,12 @@ impl MapCopy {
         db.commit().await?;
         properties
     }
+}
 
-    /// Throws it away.
-    pub fn discard(self) {
-        self.store.committer.submit_alone(Job::DiscardCopy(self.key));
+impl Drop for MapCopy {
+    fn drop(&mut self) {
+        if !self.has_name {
+            self.store.committer.submit_alone(Job::DiscardCopy(self.key));
+        }
     }
 }

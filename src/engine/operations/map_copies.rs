@@ -63,33 +63,14 @@ impl Service {
             live.on_disk(&self.store, live.newest_version()).await?;
         }
         let copy = self.store.copy_map(&from).await?.ok_or_else(no_base)?;
-        let properties =
-            match copy.properties().await.map_err(ServiceError::from).and_then(|of| patched(&of, patch)) {
-                Ok(properties) => properties,
-                Err(error) => {
-                    copy.discard();
-                    return Err(error);
-                }
-            };
+        let properties = Box::new(patched(&copy.properties().await?, patch)?);
         // The same name was free before; another request may have taken it meanwhile.
         let _birth = self.registry.births.lock().await;
-        let made = match self.made_before(&id, &digest).await {
-            Ok(None) => self.check_new_map(owner).await.map(|()| None),
-            made => made,
-        };
-        match made {
-            Ok(None) => {}
-            Ok(Some(value)) => {
-                copy.discard();
-                return Ok(Stored { created: false, map_version: value.version, value });
-            }
-            Err(error) => {
-                copy.discard();
-                return Err(error);
-            }
+        if let Some(value) = self.made_before(&id, &digest).await? {
+            return Ok(Stored { created: false, map_version: value.version, value });
         }
+        self.check_new_map(owner).await?;
         let version = copy.version + 1;
-        let properties = Box::new(properties);
         copy.finish(CopiedAs::Map { id: id.clone(), properties, version, digest, owner }).await?;
         tracing::info!(map = %id, base = %from, "a map was copied");
         Ok(Stored { created: true, map_version: version, value: self.get_map(&id).await? })

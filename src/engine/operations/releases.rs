@@ -68,7 +68,6 @@ impl Service {
         }
         let copy = self.store.copy_map(&live.id).await?.ok_or_else(|| ServiceError::no_map(&live.id))?;
         if let Some(version) = wanted.version.filter(|version| *version != copy.version) {
-            copy.discard();
             return Err(moved(live, version));
         }
         let version = copy.version;
@@ -84,21 +83,13 @@ impl Service {
         // The map is not deleted meanwhile.
         let birth = self.registry.births.lock().await;
         if live.is_over() && self.key_of(&live.id).await.ok() != Some(live.key) {
-            copy.discard();
             return Err(ServiceError::no_map(&live.id));
         }
         // The map may have been loaded anew meanwhile, with a lock of its own.
-        match self.published_before(live, &name, &digest).await {
-            Ok(None) => copy.finish(copied_as).await?,
-            Ok(Some(value)) => {
-                copy.discard();
-                return Ok(Stored { created: false, map_version: value.version, value });
-            }
-            Err(error) => {
-                copy.discard();
-                return Err(error);
-            }
+        if let Some(value) = self.published_before(live, &name, &digest).await? {
+            return Ok(Stored { created: false, map_version: value.version, value });
         }
+        copy.finish(copied_as).await?;
         drop(birth);
         tracing::info!(map = %live.id, release = %name, version, "a release was published");
         let mut event = Event::of(EventKind::ReleasePublished);
