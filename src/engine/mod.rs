@@ -25,6 +25,7 @@ mod error;
 mod global_descriptors;
 pub mod keys;
 pub mod limits;
+mod lock;
 mod maps;
 mod named_vocabulary;
 mod opening;

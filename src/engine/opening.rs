@@ -40,6 +40,7 @@ impl Service {
             models: models.clone(),
             worker: Arc::default(),
             rejudging: Arc::default(),
+            starting: Arc::default(),
             triggers: Arc::default(),
             verdicts: Arc::default(),
             write_answer: options.write_answer,
@@ -71,7 +72,7 @@ impl Service {
         service.erase_in_background();
         service.start_retention(options.retention_every);
         if let Some(models) = models {
-            service.worker.start(Round::new(service.clone(), models.clone()).run());
+            service.worker.background.start(Round::new(service.clone(), models.clone()).run());
             service.rejudging.start(JudgementRunner::new(service.clone(), models).run());
         }
         Ok(service)
@@ -80,7 +81,7 @@ impl Service {
     /// Stops background tasks, writes what is queued, and closes the database.
     pub async fn close(&self) {
         self.closing.cancel();
-        tokio::join!(self.worker.stop(), self.rejudging.stop());
+        tokio::join!(self.worker.background.stop(), self.rejudging.stop());
         self.leave().await;
         self.store.close().await;
     }

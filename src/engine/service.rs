@@ -10,7 +10,7 @@ use tokio_util::sync::CancellationToken;
 use super::backups::folder::BackupFolder;
 use super::cluster::followers::Followers;
 use super::cluster::membership::Membership;
-use super::descriptions::rejudging::Rejudging;
+use super::descriptions::background::Background;
 use super::descriptions::worker::Worker;
 use super::error::{Result, ServiceError};
 use super::keys::keyring::Keyring;
@@ -48,7 +48,10 @@ pub struct Parts {
     pub(super) vocabulary: Option<Arc<NamedVocabulary>>,
     pub(super) models: Option<Arc<Models>>,
     pub(super) worker: Arc<Worker>,
-    pub(super) rejudging: Arc<Rejudging>,
+    /// Jobs that ask models again.
+    pub(super) rejudging: Arc<Background>,
+    /// Held while such a job is started, so that one job of a map runs at a time.
+    pub(super) starting: Arc<tokio::sync::Mutex<()>>,
     pub(super) triggers: Arc<TriggerQueue>,
     pub(super) verdicts: Arc<VerdictCounters>,
     pub(super) write_answer: WriteAnswer,
@@ -119,7 +122,7 @@ impl Service {
         let live = self.registry.get(&self.store, id, Used::ByClient).await?;
         if !was_in_memory {
             // Its anchors may lack what a model that was configured since could give.
-            self.worker.wake();
+            self.worker.background.wake();
             if self.store.is_shared() {
                 // What another server forgot of it while it was not here.
                 self.features.forget_map(live.key).await;

@@ -14,10 +14,10 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::backlog::{Backlog, PAUSE_MAX};
-use super::running_jobs::{Done, Jobs};
+use super::running_jobs::{Done, Jobs, named};
 use super::unexamined::UnexaminedMaps;
-use super::worker::Signals;
 use crate::domain::ids::MapId;
+use crate::engine::lock::lock;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::{Service, ServiceError};
@@ -28,9 +28,6 @@ use crate::recognition::anchors::apply_model_answer::learn_away;
 use crate::recognition::anchors::description_tasks::DescriptionTask;
 use crate::store::MapKey;
 
-/// Time that jobs in flight may take to finish at shutdown. Answers so far are kept anyway.
-const DRAIN: Duration = Duration::from_secs(8);
-
 /// Rest before new jobs are taken where requests are shed.
 const REST: Duration = Duration::from_millis(250);
 
@@ -38,7 +35,6 @@ const REST: Duration = Duration::from_millis(250);
 pub(in crate::engine) struct Round {
     service: Service,
     models: Arc<Models>,
-    signals: Signals,
     /// The backlogs by the map's key: another map of the same name shares nothing with it.
     boards: HashMap<MapKey, Backlog>,
     jobs: Jobs,
@@ -55,7 +51,6 @@ impl Round {
     /// Creates a loop that has seen no map yet.
     pub fn new(service: Service, models: Arc<Models>) -> Self {
         Self {
-            signals: service.worker.signals(),
             service,
             models,
             boards: HashMap::new(),
@@ -70,23 +65,20 @@ impl Round {
     /// Runs rounds until the worker is stopped.
     pub async fn run(mut self) {
         self.list_unexamined().await;
-        while !self.signals.stop.is_cancelled() {
+        let worker = self.service.worker.clone();
+        while !worker.background.stop.is_cancelled() {
             let next_look = self.hand_out().await;
             let open: usize = self.boards.values().map(|b| b.found.len() + b.under_way.len()).sum();
-            self.signals.open_jobs.store(open as u64, Ordering::Relaxed);
-            let (wake, stop) = (self.signals.wake.clone(), self.signals.stop.clone());
+            worker.open_jobs.store(open as u64, Ordering::Relaxed);
             let later = next_look.unwrap_or_else(|| Instant::now() + PAUSE_MAX);
             tokio::select! {
-                () = stop.cancelled() => {}
-                () = wake.notified() => {}
+                () = worker.background.stop.cancelled() => {}
+                () = worker.background.wake.notified() => {}
                 () = tokio::time::sleep_until(later) => {}
-                Some(done) = self.jobs.next() => self.finished(done).await,
+                Some(Ok(done)) = self.jobs.join_next() => self.finished(done).await,
             }
         }
-        let drained = async { while self.jobs.next().await.is_some() {} };
-        if tokio::time::timeout(DRAIN, drained).await.is_err() {
-            self.jobs.abort_all();
-        }
+        while self.jobs.join_next().await.is_some() {}
     }
 
     /// Lists maps that may have work from before a restart, though no client has asked for them yet. They are looked at one by
@@ -102,7 +94,7 @@ impl Round {
     async fn hand_out(&mut self) -> Option<Instant> {
         let now = Instant::now();
         let mut in_memory = HashSet::new();
-        let written = self.signals.written.take();
+        let written = std::mem::take(&mut *lock(&self.service.worker.written));
         let wanted = self.service.registry.in_memory(|live| {
             in_memory.insert(live.key);
             self.wants_look(live, now)
@@ -182,14 +174,15 @@ impl Round {
     fn begin(&mut self, key: MapKey, map: PinnedMap, lack: DescriptionTask) {
         let (service, models) = (self.service.clone(), self.models.clone());
         let asked = lack.clone();
-        self.jobs.begin(key, lack, async move {
+        let job = async move {
             match service.live_pinned_in_background(&map).await {
                 Ok(live) => service.give(&live, &models, asked).await,
                 // The map is gone, and the question with it.
                 Err(ServiceError::NotFound(_)) => Ok(()),
                 Err(error) => Err(error.into()),
             }
-        });
+        };
+        self.jobs.spawn(named(key, lack, job));
     }
 
     async fn finished(&mut self, Done { map, lack, result }: Done) {

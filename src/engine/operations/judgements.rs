@@ -17,7 +17,7 @@ impl Service {
     pub async fn judge_again(&self, map: &MapId, new: NewJudgement) -> Result<Stored<JudgementReport>> {
         let live = self.live(map).await?;
         // Two requests at once would both find no job running.
-        let _starting = self.rejudging.starting.lock().await;
+        let _starting = self.starting.lock().await;
         if let Some(id) = new.id.as_ref().filter(|_| !new.preview)
             && let Some(known) = self.store.judgement(live.key, id).await?
         {

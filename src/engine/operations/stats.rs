@@ -1,6 +1,8 @@
 //! Stats: figures for the metrics page. They are read while everything else is stuck, so nothing here waits for a lock
 //! that a request holds while it works, and nothing asks the database.
 
+use std::sync::atomic::Ordering;
+
 use crate::engine::{Service, VerdictCounts};
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::{Disk, Leases};
@@ -113,7 +115,7 @@ impl Service {
             map_loads_oversized: loads.oversized,
             map_evictions: loads.evictions,
             map_promotions: loads.promoted,
-            model_jobs: self.worker.open_jobs(),
+            model_jobs: self.worker.open_jobs.load(Ordering::Relaxed),
             model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
             models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
             commits: commits.jobs,
