@@ -81,10 +81,10 @@ async fn holds_after(requests: Vec<Request>) {
         pretty(&copy.state().unwrap().index, &loaded.index);
         drop(copy);
         // The copy becomes the owner's.
-        let before = service.stats().map_promotions;
+        let before = service.stats().loads.promoted;
         live.throw_away();
         let promoted = service.live_in_background(&map).await.unwrap();
-        assert_eq!((service.stats().map_promotions, copies.registry.has(&map)), (before + 1, false));
+        assert_eq!((service.stats().loads.promoted, copies.registry.has(&map)), (before + 1, false));
         pretty(&promoted.state().unwrap().index, &loaded.index);
     }
     let listed = service.get_map(&map).await.unwrap();

@@ -1,7 +1,7 @@
 //! The handle of the engine: every use case is one of its methods.
 
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use tokio::sync::Semaphore;
 use tokio::time::Instant;
@@ -25,7 +25,7 @@ use super::maps::loads::Used;
 use super::maps::registry::Registry;
 use super::named_vocabulary::NamedVocabulary;
 use super::options::WriteAnswer;
-use super::verdict_counts::VerdictCounters;
+use super::verdict_counts::VerdictCounts;
 use crate::config::quotas::Quotas;
 use crate::domain::ids::MapId;
 use crate::llm::Models;
@@ -53,7 +53,7 @@ pub struct Parts {
     /// Held while such a job is started, so that one job of a map runs at a time.
     pub(super) starting: Arc<tokio::sync::Mutex<()>>,
     pub(super) triggers: Arc<TriggerQueue>,
-    pub(super) verdicts: Arc<VerdictCounters>,
+    pub(super) verdicts: Arc<Mutex<VerdictCounts>>,
     pub(super) write_answer: WriteAnswer,
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use tokio::sync::Semaphore;
 
 use crate::domain::ids::MapId;
+use crate::engine::lock::lock;
 use crate::engine::maps::registry::Registry;
 use crate::store::MapKey;
 
@@ -50,7 +51,7 @@ impl Followers {
     /// Returns the copies; those that nobody asked for in a while are given up.
     pub(super) fn in_use(&self) -> Vec<(MapId, MapKey)> {
         let now = Instant::now();
-        let mut uses = self.uses.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut uses = lock(&self.uses);
         let mut copies = self.registry.in_memory(|live| !live.is_over());
         copies.retain(|copy| {
             let last = copy.last_use.load(Ordering::Relaxed);
@@ -79,7 +80,7 @@ impl Followers {
 
     /// Notes that every copy is as new as what is on disk.
     pub(super) fn note_up_to_date(&self) {
-        *self.up_to_date.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        *lock(&self.up_to_date) = Some(Instant::now());
     }
 
     /// Returns the number of copies.
@@ -94,7 +95,7 @@ impl Followers {
 
     /// Returns the seconds since every copy was up to date; 0 without copies.
     pub fn lag_s(&self) -> u64 {
-        let up_to_date = *self.up_to_date.lock().unwrap_or_else(PoisonError::into_inner);
+        let up_to_date = *lock(&self.up_to_date);
         if self.count() == 0 { 0 } else { up_to_date.map_or(0, |at| at.elapsed().as_secs()) }
     }
 }

@@ -15,7 +15,9 @@
 //! bytes or a 503, never a cheaper verdict.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
+
+use crate::engine::lock::lock;
 
 /// How much is being worked on.
 #[derive(Debug)]
@@ -86,7 +88,7 @@ impl LoadShedding {
 
     /// Begins to work on a request, unless there is too much.
     pub fn admit(self: &Arc<Self>, kind: Kind) -> Option<RequestPermit> {
-        let mut working = self.lock();
+        let mut working = lock(&self.working);
         if !working.has_room(kind, self.most.load(Ordering::Relaxed)) {
             return None;
         }
@@ -96,7 +98,7 @@ impl LoadShedding {
 
     /// Requests worked on.
     pub fn working(&self) -> usize {
-        self.lock().all()
+        lock(&self.working).all()
     }
 
     /// Whether it is time for background work to rest.
@@ -106,17 +108,13 @@ impl LoadShedding {
         let working = self.working();
         working > 1 && working >= most / 2
     }
-
-    fn lock(&self) -> MutexGuard<'_, Working> {
-        self.working.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl RequestPermit {
     /// It waits for its client, who may take long: it does not count meanwhile.
     pub fn pause(&self) {
         if self.counts.swap(false, Ordering::Relaxed) {
-            *self.pressure.lock().of(self.kind) -= 1;
+            *lock(&self.pressure.working).of(self.kind) -= 1;
         }
     }
 
@@ -131,7 +129,7 @@ impl RequestPermit {
     /// It is worked on again. It was admitted: there may be more than the limit for a moment.
     pub fn resume(&self) {
         if !self.counts.swap(true, Ordering::Relaxed) {
-            *self.pressure.lock().of(self.kind) += 1;
+            *lock(&self.pressure.working).of(self.kind) += 1;
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Turns to compute, of which no tenant has more than half.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::concurrency_limit::ConcurrencyLimit;
 use crate::domain::key::KeySeq;
 use crate::engine::Result;
+use crate::engine::lock::lock;
 use crate::store::MapKey;
 
 /// Tenants that are remembered before those without requests are forgotten.
@@ -85,13 +86,13 @@ impl SharedTurns {
 
     /// Returns how many wait for one, most of them for one of their tenant's.
     pub fn waiting(&self) -> usize {
-        let of_tenants = self.of_tenants.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_tenants = lock(&self.of_tenants);
         let waiting = of_tenants.values().filter_map(Weak::upgrade).map(|limit| limit.waiting());
         waiting.sum::<usize>() + self.all.waiting()
     }
 
     fn of(&self, tenant: Tenant) -> Arc<ConcurrencyLimit> {
-        let mut of_tenants = self.of_tenants.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut of_tenants = lock(&self.of_tenants);
         if let Some(known) = of_tenants.get(&tenant).and_then(Weak::upgrade) {
             return known;
         }

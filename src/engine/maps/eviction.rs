@@ -12,6 +12,7 @@ use tokio::task::spawn_blocking;
 
 use super::registry::{Cell, Registry};
 use crate::domain::ids::MapId;
+use crate::engine::lock::lock;
 
 impl Registry {
     /// Evicts in the background if the maps have grown beyond the budget.
@@ -40,7 +41,7 @@ impl Registry {
 
     /// Takes idle maps of so many bytes from the table, and the cells that hold nothing.
     fn take_idle(&self, bytes: u64) -> Vec<Cell> {
-        let mut cells = self.lock();
+        let mut cells = lock(&self.cells);
         let mut idle: Vec<(u64, MapId, u64)> = Vec::new();
         cells.retain(|id, cell| match idle_in(cell) {
             Some(Idle::Empty) => false,

@@ -35,10 +35,13 @@ pub(in crate::engine) struct FeatureCache {
 }
 
 /// How well the cache does.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in crate::engine) struct FeatureFigures {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FeatureFigures {
+    /// Features that geometry found in it.
     pub hits: u64,
+    /// Features that it had to read from disk.
     pub misses: u64,
+    /// Bytes of the features in it.
     pub bytes: u64,
 }
 

@@ -4,10 +4,11 @@
 //! map from memory, and keeps no map there: a map that comes back finds the feed of those who still listen.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use tokio::sync::watch;
 
+use crate::engine::lock::lock;
 use crate::store::MapKey;
 
 /// The feeds of all maps that are in memory or listened to.
@@ -27,7 +28,7 @@ pub(in crate::engine) struct Feed {
 impl Feeds {
     /// Returns the feed of a map of which events up to this number are on disk, as far as is known.
     pub fn of(self: &Arc<Self>, map: MapKey, latest: u64) -> Arc<Feed> {
-        let mut by_map = self.lock();
+        let mut by_map = lock(&self.by_map);
         if let Some(feed) = by_map.get(&map).and_then(Weak::upgrade) {
             drop(by_map);
             feed.reached(latest);
@@ -36,11 +37,6 @@ impl Feeds {
         let feed = Arc::new(Feed { map, latest: watch::Sender::new(latest), feeds: self.clone() });
         by_map.insert(map, Arc::downgrade(&feed));
         feed
-    }
-
-    fn lock(&self) -> MutexGuard<'_, HashMap<MapKey, Weak<Feed>>> {
-        // A table of feeds is whole after each of its operations.
-        self.by_map.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -53,7 +49,7 @@ impl Feed {
 
 impl Drop for Feed {
     fn drop(&mut self) {
-        let mut by_map = self.feeds.lock();
+        let mut by_map = lock(&self.feeds.by_map);
         // Another may have been made since the last user of this one went.
         if by_map.get(&self.map).is_some_and(|feed| feed.strong_count() == 0) {
             by_map.remove(&self.map);
@@ -100,8 +96,8 @@ mod tests {
         feed.reached(6);
         listener.more().await;
         drop(listener);
-        assert_eq!(feeds.lock().len(), 1);
+        assert_eq!(lock(&feeds.by_map).len(), 1);
         drop(feed);
-        assert!(feeds.lock().is_empty(), "nothing is left of it");
+        assert!(lock(&feeds.by_map).is_empty(), "nothing is left of it");
     }
 }

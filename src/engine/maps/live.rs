@@ -7,7 +7,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, Mutex, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
@@ -24,6 +24,7 @@ use crate::domain::ids::{MapId, SessionId};
 use crate::domain::key::KeySeq;
 use crate::engine::error::{Result, ServiceError};
 use crate::engine::limits::shared_turns::Turn;
+use crate::engine::lock::lock;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
@@ -255,7 +256,7 @@ impl LiveMap {
 
     /// Returns how large it is; as it was before, while a request holds the lock.
     pub fn figures(&self) -> Figures {
-        let mut figures = self.figures.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut figures = lock(&self.figures);
         if let Ok(state) = self.state.try_read() {
             *figures = Figures {
                 keyframes: state.index.keyframe_count() as u64,
@@ -367,7 +368,7 @@ impl LiveMap {
         }
         let GivenAnswer { id, line, body } = given;
         {
-            let mut under_way = self.lock_kept();
+            let mut under_way = lock(&self.kept);
             // An id stands for its answer, to the byte: one on its way to the disk need not go twice.
             if under_way.len() >= KEPT_UNDER_WAY_MAX || under_way.contains_key(&id) {
                 return;
@@ -378,13 +379,12 @@ impl LiveMap {
         let job = Job::KeepQuery { map: self.key, id: id.clone(), kept, line, body };
         let live = self.clone();
         // Nobody waits for it: it shares the sync of what comes next.
-        store.committer().submit_held(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
+        store.committer().submit_held(job, &self.line, move |_| drop(lock(&live.kept).remove(&id)));
     }
 
     /// Notes whether the newest keyframe of a session is rejected; whether it is the first of a row of these.
     pub fn notes_rejection(&self, session: SessionId, is_rejected: bool) -> bool {
-        // A set of names is whole after each of its operations.
-        let mut rejecting = self.rejecting.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut rejecting = lock(&self.rejecting);
         if is_rejected {
             return rejecting.insert(session);
         }
@@ -394,12 +394,7 @@ impl LiveMap {
 
     /// Returns the answer of a loop query that is still on its way to the disk.
     pub fn query_under_way(&self, id: &str) -> Option<Bytes> {
-        self.lock_kept().get(id).cloned()
-    }
-
-    fn lock_kept(&self) -> std::sync::MutexGuard<'_, HashMap<String, Bytes>> {
-        // A map of answers is whole after each of its operations.
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.kept).get(id).cloned()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
@@ -11,6 +11,7 @@ use super::live::LiveMap;
 use crate::domain::ids::MapId;
 use crate::engine::error::Result;
 use crate::engine::limits::bounds::cores;
+use crate::engine::lock::lock;
 use crate::store::StoreError;
 
 /// The user of a map: a client, or work in the background, after which the map may leave first.
@@ -25,7 +26,7 @@ pub(in crate::engine) struct LoadGuard<'l>(&'l Loads, MapId);
 
 impl Drop for LoadGuard<'_> {
     fn drop(&mut self) {
-        self.0.lock_loading().remove(&self.1);
+        lock(&self.0.loading).remove(&self.1);
     }
 }
 
@@ -39,18 +40,17 @@ pub(in crate::engine) struct Loads {
     /// Counts uses, to tell which came first.
     uses: AtomicU64,
     is_evicting: AtomicBool,
-    loaded: AtomicU64,
-    microseconds: AtomicU64,
-    evicted: AtomicU64,
-    oversized: AtomicU64,
-    promoted: AtomicU64,
+    figures: Mutex<LoadFigures>,
 }
 
 /// Loads and evictions since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::engine) struct LoadFigures {
+pub struct LoadFigures {
+    /// Maps that came to memory.
     pub loads: u64,
+    /// Microseconds that their loading took.
     pub load_microseconds: u64,
+    /// Maps that left memory for others.
     pub evictions: u64,
     /// Loads of maps that are larger than the budget.
     pub oversized: u64,
@@ -67,11 +67,7 @@ impl Default for Loads {
             loading: Mutex::default(),
             uses: AtomicU64::new(0),
             is_evicting: AtomicBool::new(false),
-            loaded: AtomicU64::new(0),
-            microseconds: AtomicU64::new(0),
-            evicted: AtomicU64::new(0),
-            oversized: AtomicU64::new(0),
-            promoted: AtomicU64::new(0),
+            figures: Mutex::default(),
         }
     }
 }
@@ -85,17 +81,13 @@ impl Loads {
 
     /// Marks a map that has its turn as being loaded, until the guard is dropped.
     pub fn begin_load(&self, map: &MapId) -> LoadGuard<'_> {
-        self.lock_loading().insert(map.clone());
+        lock(&self.loading).insert(map.clone());
         LoadGuard(self, map.clone())
     }
 
     /// Whether a map has its turn, and is being loaded.
     pub fn is_loading(&self, map: &MapId) -> bool {
-        self.lock_loading().contains(map)
-    }
-
-    fn lock_loading(&self) -> MutexGuard<'_, HashSet<MapId>> {
-        self.loading.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.loading).contains(map)
     }
 
     /// Marks a map as the one used last. Work in the background does not count as use.
@@ -107,19 +99,20 @@ impl Loads {
 
     /// Counts a load, and whether its map is larger than the budget.
     pub fn count_load(&self, took: Duration, is_oversized: bool) {
-        self.loaded.fetch_add(1, Ordering::Relaxed);
-        self.microseconds.fetch_add(took.as_micros() as u64, Ordering::Relaxed);
-        self.oversized.fetch_add(u64::from(is_oversized), Ordering::Relaxed);
+        let mut figures = lock(&self.figures);
+        figures.loads += 1;
+        figures.load_microseconds += took.as_micros() as u64;
+        figures.oversized += u64::from(is_oversized);
     }
 
     /// Counts a copy that became this server's own.
     pub fn count_promotion(&self) {
-        self.promoted.fetch_add(1, Ordering::Relaxed);
+        lock(&self.figures).promoted += 1;
     }
 
     /// Counts maps that were evicted.
     pub fn count_evictions(&self, maps: usize) {
-        self.evicted.fetch_add(maps as u64, Ordering::Relaxed);
+        lock(&self.figures).evictions += maps as u64;
     }
 
     /// Begins evicting in the background; false if somebody else does.
@@ -134,12 +127,6 @@ impl Loads {
 
     /// Returns the loads and evictions since the start.
     pub fn figures(&self) -> LoadFigures {
-        LoadFigures {
-            loads: self.loaded.load(Ordering::Relaxed),
-            load_microseconds: self.microseconds.load(Ordering::Relaxed),
-            evictions: self.evicted.load(Ordering::Relaxed),
-            oversized: self.oversized.load(Ordering::Relaxed),
-            promoted: self.promoted.load(Ordering::Relaxed),
-        }
+        *lock(&self.figures)
     }
 }

@@ -15,5 +15,4 @@ mod promotion;
 pub(super) mod registry;
 mod release_uses;
 mod standing;
-mod use_counting;
 pub(super) mod write_path;

@@ -6,7 +6,7 @@
 //! holds the cell or its map ([`super::eviction`]); and what was loaded into a cell that has left is thrown away.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::OnceCell;
 
@@ -15,6 +15,7 @@ use super::live::LiveMap;
 use super::loads::Loads;
 use super::map_memory::MapMemory;
 use crate::domain::ids::MapId;
+use crate::engine::lock::lock;
 
 /// A map's place in the table; empty until it is loaded.
 pub(in crate::engine) type Cell = Arc<OnceCell<Arc<LiveMap>>>;
@@ -22,7 +23,7 @@ pub(in crate::engine) type Cell = Arc<OnceCell<Arc<LiveMap>>>;
 /// The maps in memory.
 #[derive(Debug)]
 pub(in crate::engine) struct Registry {
-    cells: Mutex<HashMap<MapId, Cell>>,
+    pub(super) cells: Mutex<HashMap<MapId, Cell>>,
     /// What the maps take, and may take.
     pub memory: Arc<MapMemory>,
     /// The turns of maps to be loaded, and counts.
@@ -58,33 +59,33 @@ impl Registry {
 
     /// Returns the cell that the table holds for a map, an empty one if it held none.
     pub(super) fn cell(&self, id: &MapId) -> Cell {
-        self.lock().entry(id.clone()).or_default().clone()
+        lock(&self.cells).entry(id.clone()).or_default().clone()
     }
 
     /// Returns the map, if it is in memory now; this does not count as use.
     pub fn in_memory_now(&self, id: &MapId) -> Option<Arc<LiveMap>> {
-        self.lock().get(id)?.get().filter(|live| !live.is_over()).cloned()
+        lock(&self.cells).get(id)?.get().filter(|live| !live.is_over()).cloned()
     }
 
     /// Whether a map is in memory, or on its way there.
     pub fn has(&self, id: &MapId) -> bool {
-        self.lock().contains_key(id)
+        lock(&self.cells).contains_key(id)
     }
 
     /// Returns the maps in memory that are wanted. They stay there while they are held, and the others may leave.
     pub fn in_memory(&self, mut wanted: impl FnMut(&LiveMap) -> bool) -> Vec<Arc<LiveMap>> {
-        let cells = self.lock();
+        let cells = lock(&self.cells);
         cells.values().filter_map(|cell| cell.get().filter(|live| wanted(live)).cloned()).collect()
     }
 
     /// Looks at every map in memory, holding none: what is quick and waits for nothing.
     pub fn each_in_memory(&self, mut look: impl FnMut(&LiveMap)) {
-        self.lock().values().filter_map(|cell| cell.get()).for_each(|live| look(live));
+        lock(&self.cells).values().filter_map(|cell| cell.get()).for_each(|live| look(live));
     }
 
     /// Takes a cell from the table, unless a map has come to life in it meanwhile.
     pub(super) fn forget(&self, id: &MapId, cell: &Cell) {
-        let mut cells = self.lock();
+        let mut cells = lock(&self.cells);
         let current = cells.get(id).is_some_and(|current| Arc::ptr_eq(current, cell));
         if current && cell.get().is_none_or(|live| live.is_over()) {
             cells.remove(id);
@@ -93,7 +94,7 @@ impl Registry {
 
     /// Takes a map from the table if it decides nothing any more.
     pub fn forget_over(&self, id: &MapId) {
-        let cell = self.lock().get(id).cloned();
+        let cell = lock(&self.cells).get(id).cloned();
         if let Some(cell) = cell {
             self.forget(id, &cell);
         }
@@ -104,7 +105,7 @@ impl Registry {
     pub fn forget_releases(&self, of: &MapId) -> Vec<Arc<LiveMap>> {
         let is_release = |id: &MapId| matches!(id.parts(), (map, Some(_)) if map == of.as_str());
         let mut ended = Vec::new();
-        self.lock().retain(|id, cell| {
+        lock(&self.cells).retain(|id, cell| {
             if is_release(id) {
                 ended.extend(cell.get().cloned());
             }
@@ -118,11 +119,6 @@ impl Registry {
 
     /// Whether the table holds this cell for the map.
     pub(super) fn holds(&self, id: &MapId, cell: &Cell) -> bool {
-        self.lock().get(id).is_some_and(|current| Arc::ptr_eq(current, cell))
-    }
-
-    pub(super) fn lock(&self) -> MutexGuard<'_, HashMap<MapId, Cell>> {
-        // A table of cells is whole after each of its operations.
-        self.cells.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.cells).get(id).is_some_and(|current| Arc::ptr_eq(current, cell))
     }
 }

@@ -3,9 +3,12 @@
 
 use std::sync::atomic::Ordering;
 
+use crate::engine::lock::lock;
+use crate::engine::maps::features::FeatureFigures;
+use crate::engine::maps::loads::LoadFigures;
 use crate::engine::{Service, VerdictCounts};
-use crate::store::files::paths::DatabaseFiles;
-use crate::store::{Disk, Leases};
+use crate::store::files::paths::{DatabaseFiles, FileSizes};
+use crate::store::{CommitStats, Disk, Leases};
 
 /// Figures for the metrics page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,16 +19,8 @@ pub struct Stats {
     pub map_memory_bytes: u64,
     /// Bytes that they may take.
     pub map_memory_limit_bytes: u64,
-    /// Maps that came to memory since the start.
-    pub map_loads: u64,
-    /// Microseconds that their loading took.
-    pub map_load_microseconds: u64,
-    /// Loads of maps larger than the limit.
-    pub map_loads_oversized: u64,
-    /// Maps that left memory for others since the start.
-    pub map_evictions: u64,
-    /// Copies of other servers' maps that became this server's own.
-    pub map_promotions: u64,
+    /// Loads and evictions of maps.
+    pub loads: LoadFigures,
     /// Keyframes of these maps.
     pub keyframes: u64,
     /// Anchors of these maps, merged ones counted once.
@@ -34,12 +29,8 @@ pub struct Stats {
     pub postings: u64,
     /// Bytes of their inverted files.
     pub index_bytes: u64,
-    /// Writes committed since the start.
-    pub commits: u64,
-    /// Transactions they took.
-    pub commit_batches: u64,
-    /// Writes waiting for the disk.
-    pub queue_depth: u64,
+    /// Writes to the disk.
+    pub commits: CommitStats,
     /// Writes that are being decided, or wait for the disk.
     pub writes_under_way: u64,
     /// Writes that wait for their turn to be decided.
@@ -54,16 +45,10 @@ pub struct Stats {
     pub triggers_under_way: u64,
     /// Loop queries answered since the start, by verdict.
     pub verdicts: VerdictCounts,
-    /// Features that geometry found in the cache.
-    pub feature_cache_hits: u64,
-    /// Features that it had to read from disk.
-    pub feature_cache_misses: u64,
-    /// Bytes of the features in the cache.
-    pub feature_cache_bytes: u64,
-    /// Bytes of the database.
-    pub database_bytes: u64,
-    /// Bytes of its write-ahead log.
-    pub wal_bytes: u64,
+    /// The cache of features.
+    pub feature_cache: FeatureFigures,
+    /// The size of the database.
+    pub files: FileSizes,
     /// 1 while the disk is full, so that it refuses writes.
     pub disk_full: u64,
     /// 1 while the disk or the database fails.
@@ -103,36 +88,24 @@ pub struct Stats {
 impl Service {
     /// Figures for the metrics page, of the maps in memory.
     pub fn stats(&self) -> Stats {
-        let commits = self.store.committer().stats();
-        let (files, features) =
-            (self.store.files().map(DatabaseFiles::sizes).unwrap_or_default(), self.features.figures());
-        let (memory, loads) = (&self.registry.memory, self.registry.loads.figures());
+        let memory = &self.registry.memory;
         let mut stats = Stats {
             map_memory_bytes: memory.used(),
             map_memory_limit_bytes: memory.budget(),
-            map_loads: loads.loads,
-            map_load_microseconds: loads.load_microseconds,
-            map_loads_oversized: loads.oversized,
-            map_evictions: loads.evictions,
-            map_promotions: loads.promoted,
+            loads: self.registry.loads.figures(),
             model_jobs: self.worker.open_jobs.load(Ordering::Relaxed),
             model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
             models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
-            commits: commits.jobs,
-            commit_batches: commits.transactions,
-            queue_depth: commits.waiting,
+            commits: self.store.committer().stats(),
             writes_under_way: self.writes.inside() as u64,
             writes_waiting: self.writes.waiting() as u64,
             reads_under_way: self.reads.inside() as u64,
             reads_waiting: self.reads.waiting() as u64,
             triggers_waiting: self.triggers.waiting(),
             triggers_under_way: self.triggers.under_way(),
-            verdicts: self.verdicts.counts(),
-            feature_cache_hits: features.hits,
-            feature_cache_misses: features.misses,
-            feature_cache_bytes: features.bytes,
-            database_bytes: files.database,
-            wal_bytes: files.wal,
+            verdicts: *lock(&self.verdicts),
+            feature_cache: self.features.figures(),
+            files: self.store.files().map(DatabaseFiles::sizes).unwrap_or_default(),
             disk_full: u64::from(self.disk() == Disk::Full),
             disk_failing: u64::from(self.disk() == Disk::Failing),
             disk_free_bytes: self.store.files().and_then(DatabaseFiles::free_bytes).unwrap_or(0),
@@ -181,7 +154,7 @@ mod tests {
         let within = service.clone();
         let told = service.change(&live, move |_| Ok(Decision::Unchanged(within.stats()))).await.unwrap().0;
         assert_eq!((told.maps, told.writes_under_way), (1, 1));
-        assert!(told.wal_bytes > 0);
+        assert!(told.files.wal > 0);
         service.close().await;
     }
 }

@@ -13,6 +13,7 @@ use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
 use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
 use crate::engine::keys::keyring::now;
+use crate::engine::lock::lock;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{QueryAnswer, Result, Service, ServiceError};
 use crate::store::GivenAnswer;
@@ -49,7 +50,7 @@ impl Service {
 
     async fn answer_and_record(&self, live: &Arc<LiveMap>, query: LoopQuery) -> Result<QueryAnswer> {
         let answer = self.answer(live, query).await?;
-        self.verdicts.add(answer.verdict.decision);
+        lock(&self.verdicts).add(answer.verdict.decision);
         // Written behind, bounded, oldest out first.
         let line = VerdictLine::of(answer.keyframe.as_ref(), &answer.verdict);
         let given = GivenAnswer { id: answer.id.clone(), line, body: answer.body.clone() };

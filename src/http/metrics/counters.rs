@@ -172,7 +172,7 @@ impl Metrics {
         for (key, count) in named.iter().map(|(seq, count)| (seq.public(), *count)).chain(rest) {
             self.by_key.get_or_create(&KeyLabels { key }).inner().store(count, Ordering::Relaxed);
         }
-        self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
+        self.map_load.set(figures.stats.loads.load_microseconds as f64 / 1e6);
         let mut out = String::new();
         // Writing to a string does not fail.
         let _ = text::encode(&mut out, &self.registry);

@@ -27,11 +27,9 @@ pub const GAUGES: &[Row] = &[
     ("map_memory_limit_bytes", "Bytes of maps above which idle ones are evicted (--map-memory)", |f| {
         f.stats.map_memory_limit_bytes
     }),
-    ("map_loads", "Maps loaded into memory since the server started", |f| f.stats.map_loads),
-    ("map_loads_oversized", "Loads of maps that are larger than --map-memory", |f| {
-        f.stats.map_loads_oversized
-    }),
-    ("map_evictions", "Idle maps evicted from memory since the server started", |f| f.stats.map_evictions),
+    ("map_loads", "Maps loaded into memory since the server started", |f| f.stats.loads.loads),
+    ("map_loads_oversized", "Loads of maps that are larger than --map-memory", |f| f.stats.loads.oversized),
+    ("map_evictions", "Idle maps evicted from memory since the server started", |f| f.stats.loads.evictions),
     ("nodes", "Servers that share the database; 0 where one alone has it", |f| f.stats.nodes),
     ("leases", "Maps that this server owns among others", |f| f.stats.leases),
     ("leases_lost", "Maps that another server took while this one had them", |f| f.stats.leases_lost),
@@ -43,7 +41,7 @@ pub const GAUGES: &[Row] = &[
         f.stats.followed_loads
     }),
     ("map_promotions", "Copies that became this server's own maps, without being loaded again", |f| {
-        f.stats.map_promotions
+        f.stats.loads.promoted
     }),
     ("follower_lag_seconds", "Time since every copy was last up to date; 0 without copies", |f| {
         f.stats.follower_lag_s
@@ -52,11 +50,11 @@ pub const GAUGES: &[Row] = &[
     ("anchors", "Semantic anchors of all maps in memory", |f| f.stats.anchors),
     ("postings", "Postings of the inverted files", |f| f.stats.postings),
     ("index_bytes", "Bytes of the inverted files in memory", |f| f.stats.index_bytes),
-    ("commits", "Writes committed since the server started", |f| f.stats.commits),
+    ("commits", "Writes committed since the server started", |f| f.stats.commits.jobs),
     ("commit_batches", "Transactions of these commits; fewer than commits under load", |f| {
-        f.stats.commit_batches
+        f.stats.commits.transactions
     }),
-    ("queue_depth", "Writes waiting for their commit", |f| f.stats.queue_depth),
+    ("queue_depth", "Writes waiting for their commit", |f| f.stats.commits.waiting),
     ("writes_under_way", "Writes being decided or waiting for their commit", |f| f.stats.writes_under_way),
     ("writes_waiting", "Writes waiting to be decided", |f| f.stats.writes_waiting),
     ("reads_under_way", "Heavy reads and verifications in progress", |f| f.stats.reads_under_way),
@@ -67,11 +65,11 @@ pub const GAUGES: &[Row] = &[
     ("triggers_under_way", "Loop checks in progress that anchors have triggered", |f| {
         f.stats.triggers_under_way
     }),
-    ("feature_cache_hits", "Features that geometry found in memory", |f| f.stats.feature_cache_hits),
-    ("feature_cache_misses", "Features that geometry read from disk", |f| f.stats.feature_cache_misses),
-    ("feature_cache_bytes", "Bytes of the features in memory", |f| f.stats.feature_cache_bytes),
-    ("database_bytes", "Bytes of the database on disk", |f| f.stats.database_bytes),
-    ("wal_bytes", "Bytes of its write-ahead log on disk", |f| f.stats.wal_bytes),
+    ("feature_cache_hits", "Features that geometry found in memory", |f| f.stats.feature_cache.hits),
+    ("feature_cache_misses", "Features that geometry read from disk", |f| f.stats.feature_cache.misses),
+    ("feature_cache_bytes", "Bytes of the features in memory", |f| f.stats.feature_cache.bytes),
+    ("database_bytes", "Bytes of the database on disk", |f| f.stats.files.database),
+    ("wal_bytes", "Bytes of its write-ahead log on disk", |f| f.stats.files.wal),
     ("disk_full", "1 while the disk is full, so that writes are refused", |f| f.stats.disk_full),
     ("disk_failing", "1 while the disk or the database fails", |f| f.stats.disk_failing),
     ("disk_free_bytes", "Bytes left on the disk of the database; 0 if unknown", |f| f.stats.disk_free_bytes),
