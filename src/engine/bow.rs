@@ -1,10 +1,8 @@
 //! Words out of features: computed for keyframes without words, and the rule that a map's words belong to one vocabulary.
 
-use tokio::task::spawn_blocking;
-
 use super::{Result, Service, ServiceError};
-use crate::config::logging::in_span;
 use crate::domain::keyframe::NewKeyframe;
+use crate::engine::tasks::blocking;
 use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::map::index::MapIndex;
 
@@ -16,9 +14,7 @@ impl Service {
         if keyframe.vocabulary.is_some() || keyframe.features.is_none() {
             return Ok(keyframe);
         }
-        spawn_blocking(in_span(move || vocabulary.compute_bow(keyframe)))
-            .await
-            .map_err(ServiceError::panicked)?
+        blocking(move || vocabulary.compute_bow(keyframe)).await?
     }
 
     /// Returns the server's vocabulary: its fingerprint, and how many words it has.

@@ -12,16 +12,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::runtime::Handle;
-use tokio::task::spawn_blocking;
 use tokio::time::{Instant, sleep, sleep_until};
 
-use crate::config::logging::in_part;
 use crate::domain::change::{Change, Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, MapId, PointId, SessionId};
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::write_path::Manner;
+use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::loop_closure::revoke_loop;
 use crate::recognition::map::culling::cull_keyframe;
@@ -188,7 +187,7 @@ impl Service {
             let change = move || changing.change_rows(&store, &runtime, job);
             // Those who come meanwhile wait, and find the map as it is then.
             let _lane = live.lane.lock().await;
-            spawn_blocking(in_part("erase", change)).await.map_err(ServiceError::panicked)??;
+            blocking_part("erase", change).await??;
             self.registry.forget_over(&live.id);
         }
         if let Some(models) = &self.models {

@@ -36,6 +36,7 @@ mod rebuild_equals_live;
 mod retention;
 mod service;
 mod stored;
+mod tasks;
 mod verdict_counts;
 
 pub use backups::folder::BackupMade;

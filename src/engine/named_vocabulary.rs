@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use tokio::task::spawn_blocking;
-
 use super::error::{Result, ServiceError};
+use super::tasks::blocking;
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
 use crate::vocabulary::Vocabulary;
@@ -19,12 +18,12 @@ pub(super) struct NamedVocabulary {
 impl NamedVocabulary {
     /// Loads a vocabulary; a million words take a moment, off the async threads.
     pub async fn load(path: PathBuf) -> Result<Self> {
-        let loaded = spawn_blocking(move || {
+        let loaded = blocking(move || {
             let vocabulary =
                 Vocabulary::load(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             Ok(Self { name: vocabulary.fingerprint().to_string().into(), vocabulary })
         });
-        loaded.await.map_err(ServiceError::panicked)?.map_err(ServiceError::Internal)
+        loaded.await?.map_err(ServiceError::Internal)
     }
 
     /// Computes the bag of words of a keyframe from its features, if it has any.

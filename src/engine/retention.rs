@@ -20,6 +20,7 @@ use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::settings::Settings;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap};
+use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Recorder;
@@ -114,7 +115,7 @@ impl Service {
             record.apply(parts.into_iter().map(|parts| Change::PartsForgotten(Box::new(parts))).collect());
             Ok(Decision::Changed((), record.finish(), None))
         };
-        self.free(&live, decide).await?;
+        self.begin(&live, Manner::Freeing, decide).await?.committed().await?;
         for keyframe in keyframes {
             self.features.forget(live.key, keyframe).await;
         }

@@ -12,13 +12,12 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
-use tokio::task::spawn_blocking;
 
-use crate::config::logging::in_span;
 use crate::domain::ids::BackupId;
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::BackupReport;
 use crate::engine::error::{Result, ServiceError};
+use crate::engine::tasks::blocking;
 use crate::integrity::backup::{Copied, Copy, PARTIAL, sync_folder};
 use crate::store::StoreError;
 use crate::store::files::paths::DatabaseFiles;
@@ -104,7 +103,7 @@ impl BackupFolder {
         let copy = self.copied(files).await?;
         if !copy.faults().is_empty() {
             let keep = move || self.keep_damaged(&id, copy);
-            return spawn_blocking(in_span(keep)).await.map_err(ServiceError::panicked)?;
+            return blocking(keep).await?;
         }
         let place = move || {
             let report = report(id, created, copy.copied());
@@ -116,14 +115,14 @@ impl BackupFolder {
             tracing::info!(backup = %report.id, bytes = report.bytes, "a backup was taken");
             Ok(BackupMade { created: true, report, removed })
         };
-        spawn_blocking(in_span(place)).await.map_err(ServiceError::panicked)?
+        blocking(place).await?
     }
 
     /// Copies and checks off the async threads: the check builds the index of every map.
     async fn copied(&self, files: &DatabaseFiles) -> Result<Copy> {
         let (files, folder, runtime) = (files.clone(), self.folder.clone(), Handle::current());
         let copy = move || runtime.block_on(Copy::of(&files, &folder));
-        Ok(spawn_blocking(in_span(copy)).await.map_err(ServiceError::panicked)??)
+        Ok(blocking(copy).await??)
     }
 
     /// Keeps a copy that has faults, in place of an earlier one of the kind, where nobody takes it for a backup.

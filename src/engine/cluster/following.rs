@@ -6,12 +6,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::task::spawn_blocking;
 use tokio::time::{Instant, sleep, timeout_at};
 
 use super::routing::Route;
 use crate::domain::ids::MapId;
 use crate::engine::maps::live::LiveMap;
+use crate::engine::tasks::blocking;
 use crate::engine::{Result, Service, ServiceError};
 use crate::store::{GivenAnswer, News};
 
@@ -133,9 +133,7 @@ impl Service {
                 News::Changes(versions) => {
                     self.followers.count_versions(versions.len());
                     let copy = live.clone();
-                    spawn_blocking(move || copy.take_over(&versions))
-                        .await
-                        .map_err(ServiceError::panicked)??;
+                    blocking(move || copy.take_over(&versions)).await??;
                 }
                 News::Unknown if effort == Effort::Little && since.elapsed() < LOADED_ANEW_EVERY => {
                     return Err(not_up_to_date());

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
-use tokio::task::spawn_blocking;
 
 use super::membership::Membership;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::tasks::blocking;
+use crate::engine::{Result, Service};
 
 /// Maps that go at each renewal: each is loaded anew where it goes.
 const AT_ONCE: usize = 8;
@@ -32,9 +32,7 @@ impl Service {
     async fn hand_over(&self, live: Arc<LiveMap>) -> Result<()> {
         let _lane = live.lane.lock().await;
         let (store, runtime, leaving) = (self.store.clone(), Handle::current(), live.clone());
-        spawn_blocking(move || leaving.leave_memory(&store, &runtime))
-            .await
-            .map_err(ServiceError::panicked)??;
+        blocking(move || leaving.leave_memory(&store, &runtime)).await??;
         self.registry.forget_over(&live.id);
         if let Some(lease) = live.lease() {
             self.store.give_back(lease).await?;

@@ -5,11 +5,34 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::timeout;
 
 use crate::engine::{Result, ServiceError};
 
 /// Longest time a request waits for a permit before it is rejected as overloaded.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
+
+/// How long a request waits for its turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Wait {
+    /// It hears that there is too much to do if it would wait longer.
+    UpTo(Duration),
+    /// However long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
+    Unbounded,
+}
+
+impl Wait {
+    /// As long as a request waits at most.
+    pub const BOUNDED: Self = Self::UpTo(MAX_QUEUE_WAIT);
+
+    /// Waits for what keeps a request from its turn, such as a lock.
+    pub async fn until<T>(self, waiting: impl Future<Output = T>) -> Result<T> {
+        match self {
+            Self::UpTo(most) => timeout(most, waiting).await.map_err(|_| overloaded()),
+            Self::Unbounded => Ok(waiting.await),
+        }
+    }
+}
 
 /// A limit on how many callers hold a permit at once.
 #[derive(Debug)]
@@ -18,13 +41,12 @@ pub(in crate::engine) struct ConcurrencyLimit {
     at_once: usize,
     waiting: AtomicUsize,
     waiting_max: usize,
-    patience: Duration,
 }
 
 impl ConcurrencyLimit {
     pub fn new(at_once: usize, waiting_max: usize) -> Arc<Self> {
         let turns = Arc::new(Semaphore::new(at_once));
-        Arc::new(Self { turns, at_once, waiting: AtomicUsize::new(0), waiting_max, patience: MAX_QUEUE_WAIT })
+        Arc::new(Self { turns, at_once, waiting: AtomicUsize::new(0), waiting_max })
     }
 
     /// Returns how many are inside.
@@ -37,30 +59,16 @@ impl ConcurrencyLimit {
         self.waiting.load(Ordering::Relaxed)
     }
 
-    /// Waits for something else that keeps a request from its turn, such as a lock, or hears that it takes too long.
-    pub async fn in_time<T>(waiting: impl Future<Output = T>) -> Result<T> {
-        tokio::time::timeout(MAX_QUEUE_WAIT, waiting).await.map_err(|_| overloaded())
-    }
-
-    /// Waits its turn, or hears that it would take too long.
-    pub async fn enter(&self) -> Result<OwnedSemaphorePermit> {
+    /// Waits its turn.
+    pub async fn enter(&self, wait: Wait) -> Result<OwnedSemaphorePermit> {
         if let Ok(permit) = self.turns.clone().try_acquire_owned() {
             return Ok(permit);
         }
         let waits = Waits::new(&self.waiting);
-        if waits.before >= self.waiting_max {
+        if wait != Wait::Unbounded && waits.before >= self.waiting_max {
             return Err(overloaded());
         }
-        match tokio::time::timeout(self.patience, self.turns.clone().acquire_owned()).await {
-            Ok(permit) => permit.map_err(|_| ServiceError::closed()),
-            Err(_) => Err(overloaded()),
-        }
-    }
-
-    /// Waits its turn however long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
-    pub async fn acquire_unbounded(&self) -> Result<OwnedSemaphorePermit> {
-        let _waits = Waits::new(&self.waiting);
-        self.turns.clone().acquire_owned().await.map_err(|_| ServiceError::closed())
+        wait.until(self.turns.clone().acquire_owned()).await?.map_err(|_| ServiceError::closed())
     }
 }
 
@@ -92,16 +100,14 @@ mod tests {
 
     #[tokio::test]
     async fn the_queue_is_bounded_in_number_and_in_time() {
-        let gate = ConcurrencyLimit {
-            patience: Duration::from_millis(10),
-            ..Arc::into_inner(ConcurrencyLimit::new(1, 1)).unwrap()
-        };
-        let inside = gate.enter().await.unwrap();
-        let (first, second) = tokio::join!(gate.enter(), gate.enter());
+        let gate = ConcurrencyLimit::new(1, 1);
+        let wait = Wait::UpTo(Duration::from_millis(10));
+        let inside = gate.enter(wait).await.unwrap();
+        let (first, second) = tokio::join!(gate.enter(wait), gate.enter(wait));
         let refused = |result: Result<_>| matches!(result, Err(ServiceError::Overloaded(_)));
         assert!(refused(first.map(drop)), "it has waited long enough");
         assert!(refused(second.map(drop)), "there was no room for it");
         drop(inside);
-        assert!(gate.enter().await.is_ok());
+        assert!(gate.enter(wait).await.is_ok());
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, Weak};
 
 use tokio::sync::OwnedSemaphorePermit;
 
-use super::concurrency_limit::ConcurrencyLimit;
+use super::concurrency_limit::{ConcurrencyLimit, Wait};
 use crate::domain::key::KeySeq;
 use crate::engine::Result;
 use crate::engine::lock::lock;
@@ -67,16 +67,14 @@ impl SharedTurns {
 
     /// Waits for a turn, or hears that it would take too long.
     pub async fn enter(&self, tenant: Tenant) -> Result<Turn> {
-        let limit = self.of(tenant);
-        let of_tenant = limit.enter().await?;
-        Ok(Turn { _of_all: self.all.enter().await?, _of_tenant: of_tenant, _tenant: limit })
+        self.enter_after(tenant, Wait::BOUNDED).await
     }
 
-    /// Waits for a turn however long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
-    pub async fn acquire_unbounded(&self, tenant: Tenant) -> Result<Turn> {
+    /// Waits for a turn, so long.
+    pub async fn enter_after(&self, tenant: Tenant, wait: Wait) -> Result<Turn> {
         let limit = self.of(tenant);
-        let of_tenant = limit.acquire_unbounded().await?;
-        Ok(Turn { _of_all: self.all.acquire_unbounded().await?, _of_tenant: of_tenant, _tenant: limit })
+        let of_tenant = limit.enter(wait).await?;
+        Ok(Turn { _of_all: self.all.enter(wait).await?, _of_tenant: of_tenant, _tenant: limit })
     }
 
     /// Returns how many have a turn.

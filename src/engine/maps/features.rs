@@ -5,12 +5,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_util::{StreamExt as _, TryStreamExt as _, stream};
 use moka::future::Cache;
-use tokio::task::spawn_blocking;
 
-use crate::config::logging::in_span;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
 use crate::engine::named_vocabulary::NamedVocabulary;
+use crate::engine::tasks::blocking;
 use crate::engine::{Result, ServiceError};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::wanted_features::WantedFeatures;
@@ -83,9 +82,7 @@ impl FeatureCache {
     /// together.
     pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>> {
         let vocabulary = self.vocabulary.clone();
-        let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))
-            .await
-            .map_err(ServiceError::panicked)?;
+        let prepared = blocking(move || prepare(features, vocabulary.as_deref())).await?;
         Ok(prepared.map(Arc::new))
     }
 

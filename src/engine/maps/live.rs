@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, RwLock, RwLockReadGuard};
 use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use tokio::time::Instant;
+use tracing::Instrument as _;
 
 use super::feeds::Feed;
 pub(in crate::engine) use super::live_state::State;
@@ -19,6 +20,7 @@ use super::live_state::number;
 use super::map_memory::{MapMemory, MemoryShare};
 use super::release_uses::ReleaseUses;
 use super::standing::Standing;
+use crate::config::traces;
 use crate::domain::event::Event;
 use crate::domain::ids::{MapId, SessionId};
 use crate::domain::key::KeySeq;
@@ -110,10 +112,12 @@ pub(in crate::engine) enum Urgency {
     Held,
 }
 
-/// A decision on its way to the disk.
-pub(in crate::engine) struct Pending<T> {
-    pub value: T,
-    pub version: u64,
+/// A write that is decided and on its way to the disk.
+pub(in crate::engine) struct Begun<T> {
+    store: Store,
+    live: Arc<LiveMap>,
+    value: T,
+    version: u64,
     committed: Option<oneshot::Receiver<Result<(), StoreError>>>,
 }
 
@@ -205,12 +209,12 @@ impl LiveMap {
     /// way until the disk has it, also when nobody waits for that. Blocks: not for async threads. `core` is its turn to compute.
     pub fn decide<T>(
         self: &Arc<Self>,
-        store: &Store,
+        store: Store,
         permit: OwnedSemaphorePermit,
         core: Turn,
         urgency: Urgency,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>>,
-    ) -> Result<Pending<T>> {
+    ) -> Result<Begun<T>> {
         let (mut state, _core) = if let Ok(state) = self.state.try_write() {
             (state, Some(core))
         } else {
@@ -225,7 +229,13 @@ impl LiveMap {
         let (value, decided, new_keyframe) = match decide(&mut state.index)? {
             Decision::Changed(value, decided, rows) => (value, decided, rows),
             Decision::Unchanged(value) => {
-                return Ok(Pending { value, version: state.version, committed: None });
+                return Ok(Begun {
+                    store,
+                    live: self.clone(),
+                    value,
+                    version: state.version,
+                    committed: None,
+                });
             }
         };
         state.version += 1;
@@ -250,8 +260,8 @@ impl LiveMap {
             is_followed: self.lease().is_some_and(Lease::is_followed),
         };
         let job = Job::Change(Box::new(batch));
-        let committed = self.submit(store, job, urgency, version, state.next_event - 1, Some(permit));
-        Ok(Pending { value, version, committed: Some(committed) })
+        let committed = self.submit(&store, job, urgency, version, state.next_event - 1, Some(permit));
+        Ok(Begun { store, live: self.clone(), value, version, committed: Some(committed) })
     }
 
     /// Returns how large it is; as it was before, while a request holds the lock.
@@ -398,15 +408,13 @@ impl LiveMap {
     }
 }
 
-impl<T> Pending<T> {
-    /// Waits until the decision is on disk.
-    pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64)> {
+impl<T> Begun<T> {
+    /// Waits until it is on disk.
+    pub async fn committed(self) -> Result<(T, u64)> {
+        let part = traces::part("commit");
         match self.committed {
-            Some(committed) => match committed.await {
-                Ok(result) => result?,
-                Err(_) => return Err(StoreError::Closed.into()),
-            },
-            None => live.on_disk(store, self.version).await?,
+            Some(committed) => committed.instrument(part).await.map_err(|_| StoreError::Closed)??,
+            None => self.live.on_disk(&self.store, self.version).instrument(part).await?,
         }
         Ok((self.value, self.version))
     }

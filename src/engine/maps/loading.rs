@@ -7,16 +7,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::runtime::Handle;
-use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
 use super::live::LiveMap;
 use super::loads::Used;
 use super::registry::{Cell, Registry};
 use super::standing::Standing;
-use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::error::{Result, ServiceError};
+use crate::engine::tasks::blocking_part;
 use crate::integrity::rebuild::rebuild;
 use crate::store::{FactsForCopies, Order, Store, Taken};
 
@@ -100,7 +99,7 @@ impl Registry {
             registry.make_room(0);
             Ok(live)
         };
-        spawn_blocking(in_part("load", loading)).await.map_err(ServiceError::panicked)?
+        blocking_part("load", loading).await?
     }
 
     /// Counts a load, and warns of a map that is larger than the budget.

@@ -2,19 +2,13 @@
 
 use std::sync::Arc;
 
-use tokio::sync::MutexGuard;
-use tokio::task::spawn_blocking;
-use tracing::Instrument as _;
-
-use super::live::{Decision, LiveMap, Pending, State, Urgency};
+use super::live::{Begun, Decision, LiveMap, State, Urgency};
 use super::loads::Used;
-use crate::config::logging::in_part;
-use crate::config::traces;
-use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
+use crate::engine::limits::concurrency_limit::Wait;
 use crate::engine::limits::shared_turns::Tenant;
+use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
-use crate::store::Store;
 
 /// How often a read looks again because a write that it had seen failed.
 const READ_AGAIN_MAX: usize = 3;
@@ -49,37 +43,34 @@ impl Service {
             return Err(ServiceError::Internal(format!("{} is a release, to which nobody writes", live.id)));
         }
         self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing)).await?;
-        let is_patient = matches!(manner, Manner::Patient | Manner::Erasing);
-        let permit =
-            if is_patient { self.writes.acquire_unbounded().await? } else { self.writes.enter().await? };
+        let wait = match manner {
+            Manner::Prompt | Manner::Freeing => Wait::BOUNDED,
+            Manner::Patient | Manner::Erasing => Wait::Unbounded,
+        };
+        let permit = self.writes.enter(wait).await?;
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let anew;
-        let lane = lane_of(live, is_patient).await?;
+        let lane = wait.until(live.lane.lock()).await?;
         let (live, _lane) = if live.is_poisoned() {
             // It was thrown away meanwhile, as an erasure does it, and nothing is decided yet.
             drop(lane);
             anew = self.anew(live).await?;
-            (&anew, lane_of(&anew, is_patient).await?)
+            (&anew, wait.until(anew.lane.lock()).await?)
         } else {
             (live, lane)
         };
-        let tenant = Tenant::current(Some(live.key));
-        let core = if is_patient {
-            self.deciding.acquire_unbounded(tenant).await?
-        } else {
-            self.deciding.enter(tenant).await?
-        };
+        let core = self.deciding.enter_after(Tenant::current(Some(live.key)), wait).await?;
         let (deciding, store) = (live.clone(), self.store.clone());
         // A client of many writes has more, and waits for none of them alone.
         let urgency = if manner == Manner::Patient { Urgency::Held } else { Urgency::Prompt };
-        let decide = move || deciding.decide(&store, permit, core, urgency, decide);
-        let pending = spawn_blocking(in_part("decide", decide)).await.map_err(ServiceError::panicked)??;
+        let decide = move || deciding.decide(store, permit, core, urgency, decide);
+        let begun = blocking_part("decide", decide).await??;
         self.registry.keep_to_budget();
         // Whatever was written, an anchor may lack something now.
         if self.models.is_some() {
             self.worker.note_write(live);
         }
-        Ok(Begun { store: self.store.clone(), live: live.clone(), pending })
+        Ok(begun)
     }
 
     /// Returns a map that was thrown away as it is on disk.
@@ -106,15 +97,6 @@ impl Service {
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>> + Send + 'static,
     ) -> Result<(T, u64)> {
         self.begin(live, Manner::Prompt, decide).await?.committed().await
-    }
-
-    /// [`Self::change`] for a write that frees space: it goes on when the disk is full.
-    pub(in crate::engine) async fn free<T: Send + 'static>(
-        &self,
-        live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>> + Send + 'static,
-    ) -> Result<(T, u64)> {
-        self.begin(live, Manner::Freeing, decide).await?.committed().await
     }
 
     /// Reads the index off the async threads, and waits until what was read is on disk. If it never will be, because the
@@ -164,35 +146,14 @@ impl Service {
     ) -> Result<(u64, T)> {
         let turn = self.reads.enter(Tenant::current(Some(live.key))).await?;
         let looking = live.clone();
-        let (version, value) = spawn_blocking(in_part("read", move || {
+        let (version, value) = blocking_part("read", move || {
             let state = looking.state()?;
             Ok::<_, ServiceError>((state.version, look(&state)?))
-        }))
-        .await
-        .map_err(ServiceError::panicked)??;
+        })
+        .await??;
         // Waiting for the disk takes no core.
         drop(turn);
         live.on_disk(&self.store, version).await?;
         Ok((version, value))
-    }
-}
-
-/// Waits until nobody else decides a write to a map.
-async fn lane_of(live: &LiveMap, is_patient: bool) -> Result<MutexGuard<'_, ()>> {
-    let waiting = live.lane.lock();
-    if is_patient { Ok(waiting.await) } else { ConcurrencyLimit::in_time(waiting).await }
-}
-
-/// A write that is decided and on its way to the disk.
-pub(in crate::engine) struct Begun<T> {
-    store: Store,
-    live: Arc<LiveMap>,
-    pending: Pending<T>,
-}
-
-impl<T> Begun<T> {
-    /// Waits until it is on disk.
-    pub async fn committed(self) -> Result<(T, u64)> {
-        self.pending.committed(&self.store, &self.live).instrument(traces::part("commit")).await
     }
 }

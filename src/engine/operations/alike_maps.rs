@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use tokio::task::spawn_blocking;
-
-use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::tasks::blocking_part;
+use crate::engine::{Result, Service};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
@@ -100,7 +98,7 @@ impl Service {
             outcome.map_or(0, |outcome| alike_cells(&outcome.verification, cameras.0, cameras.1))
         };
         let _turn = self.reads.enter(Tenant::current(None)).await?;
-        spawn_blocking(in_part("verify", verify)).await.map_err(ServiceError::panicked)
+        blocking_part("verify", verify).await
     }
 
     /// Reads what geometry needs of a keyframe; none if it has no features.

@@ -7,6 +7,7 @@ use crate::domain::prior::AnchorKey;
 use crate::domain::report::{AnchorReport, Page};
 use crate::domain::request::AnchorFilter;
 use crate::engine::maps::live::Decision;
+use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::describing::describe;
 use crate::recognition::map::culling::delete_object;
@@ -93,7 +94,7 @@ impl Service {
             check_version(index, anchor, expected)?;
             Ok(Decision::Changed((), delete_object(index, anchor), None))
         };
-        Ok(self.free(&live, decide).await?.1)
+        Ok(self.begin(&live, Manner::Freeing, decide).await?.committed().await?.1)
     }
 
     /// Returns the best image crop of an anchor.

@@ -5,13 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
-use tokio::task::spawn_blocking;
-use tracing::Instrument as _;
-
 use crate::domain::ids::BackupId;
 use crate::domain::report::{BackupReport, Page};
 use crate::engine::backups::folder::{BackupFolder, BackupMade};
 use crate::engine::service::Parts;
+use crate::engine::tasks::{blocking, to_its_end};
 use crate::engine::{Result, Service, ServiceError};
 
 impl Service {
@@ -34,12 +32,11 @@ impl Service {
             return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
         };
         let permit = backups.enter()?;
-        let made = async move {
-            let made = backups.make(&files, id).await;
-            drop(permit);
-            made
-        };
-        tokio::spawn(made.in_current_span()).await.map_err(ServiceError::panicked)?
+        to_its_end(async move {
+            let _permit = permit;
+            backups.make(&files, id).await
+        })
+        .await?
     }
 
     /// Returns when the newest backup was taken, by this server or by `revisit backup`, in seconds since 1970; 0 without any.
@@ -56,9 +53,7 @@ impl Service {
         let missing =
             || ServiceError::NotFound("there is no such backup; GET /v1/backups lists them".to_owned());
         let Some(backups) = self.backups.clone() else { return Err(missing()) };
-        let delete = move || backups.delete(&id);
-        let is_deleted = spawn_blocking(delete).await.map_err(ServiceError::panicked)??;
-        if is_deleted { Ok(()) } else { Err(missing()) }
+        if blocking(move || backups.delete(&id)).await?? { Ok(()) } else { Err(missing()) }
     }
 
     /// Returns the backups, the newest first.
@@ -66,7 +61,7 @@ impl Service {
         let Some(backups) = self.backups.clone() else {
             return Ok(Page { items: Vec::new(), next_cursor: None });
         };
-        let mut items = spawn_blocking(move || backups.list()).await.map_err(ServiceError::panicked)??;
+        let mut items = blocking(move || backups.list()).await??;
         if let Some(cursor) = cursor {
             let at = items.iter().position(|report| report.id.as_str() == cursor);
             let at = at.ok_or_else(|| ServiceError::bad_cursor(cursor))?;

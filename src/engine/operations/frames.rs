@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use tokio::task::spawn_blocking;
 use tokio::time::{Instant, sleep_until};
 
 use crate::domain::event::{Event, EventKind};
@@ -12,8 +11,10 @@ use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
 use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::report::{FrameReport, FramesReport};
+use crate::engine::limits::concurrency_limit::Wait;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
+use crate::engine::tasks::blocking;
 use crate::engine::{Result, Service, ServiceError};
 use crate::geometry::Pose;
 use crate::recognition::frames::fleet::{fleet_frames, measured};
@@ -101,10 +102,10 @@ impl Service {
         }
         // Nobody who writes waits for more than the reading.
         let (version, facts) = self.read(live, |state| Ok(measured(&state.index))).await?;
-        let turn =
-            self.reads.acquire_unbounded(live.owner.map_or(Tenant::Map(live.key), Tenant::Key)).await?;
+        let tenant = live.owner.map_or(Tenant::Map(live.key), Tenant::Key);
+        let turn = self.reads.enter_after(tenant, Wait::Unbounded).await?;
         let started = Instant::now();
-        let computed = spawn_blocking(move || fleet_frames(&facts)).await.map_err(ServiceError::panicked)?;
+        let computed = blocking(move || fleet_frames(&facts)).await?;
         drop(turn);
         checked.rested = Some(Instant::now() + REST * started.elapsed());
         let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);

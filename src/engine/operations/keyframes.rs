@@ -12,9 +12,9 @@ use crate::domain::request::Digest;
 use crate::engine::bow::check_vocabulary;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::quota::check_keyframe;
-use crate::engine::maps::live::{Decision, LiveMap, State};
+use crate::engine::maps::live::{Begun, Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
-use crate::engine::maps::write_path::{Begun, Manner};
+use crate::engine::maps::write_path::Manner;
 use crate::engine::{QueryAnswer, Result, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
 use crate::recognition::anchors::prior_anchors::driven_frame;
@@ -216,7 +216,7 @@ impl Service {
             }
             Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
         };
-        let ((), version) = self.free(&live, decide).await?;
+        let ((), version) = self.begin(&live, Manner::Freeing, decide).await?.committed().await?;
         self.features.forget(live.key, seq).await;
         Ok(version)
     }

@@ -3,16 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
 use super::locate_maps::{AskedMap, MapOfQuestion, search_at};
 use super::queries::{Timings, milliseconds_since, timed};
-use crate::config::logging::in_part;
 use crate::domain::ids::{MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
+use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::locate::likeness::first_others;
 use crate::recognition::locate::locate;
@@ -116,8 +115,7 @@ impl Service {
                 (location, searches, views)
             })
         };
-        let ((mut location, searches, views), took_ms) =
-            spawn_blocking(in_part("verify", decide)).await.map_err(ServiceError::panicked)?;
+        let ((mut location, searches, views), took_ms) = blocking_part("verify", decide).await?;
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         drop(permit);
         if let Some((map, session)) = rests_on_views(&location, &searches)

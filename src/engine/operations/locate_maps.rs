@@ -6,12 +6,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
-use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
 use super::queries::{Timings, timed};
 use super::releases::no_release;
-use crate::config::logging::in_part;
 use crate::domain::bow::{BowVector, Score};
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::invalid::FieldError;
@@ -19,6 +17,7 @@ use crate::domain::key::MapPattern;
 use crate::domain::keyframe::Detection;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
+use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
@@ -190,8 +189,7 @@ impl Service {
             });
             Ok::<_, ServiceError>((read, took_ms))
         };
-        let (read, took_ms) =
-            spawn_blocking(in_part("prefilter", reading)).await.map_err(ServiceError::panicked)??;
+        let (read, took_ms) = blocking_part("prefilter", reading).await??;
         drop(permit);
         timings.note(started, took_ms, |timings| &mut timings.screen_ms);
         Ok(read.map(|(map, promised)| {

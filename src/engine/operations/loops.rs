@@ -9,6 +9,7 @@ use crate::domain::report::{LoopReport, Page};
 use crate::domain::request::NewLoop;
 use crate::engine::limits::quota::check_loop;
 use crate::engine::maps::live::Decision;
+use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::geometry::Sim3;
 use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
@@ -87,7 +88,7 @@ impl Service {
             known.merged = parted;
             Ok(Decision::Changed(known, decided, None))
         };
-        let (report, version) = self.free(&live, decide).await?;
+        let (report, version) = self.begin(&live, Manner::Freeing, decide).await?.committed().await?;
         self.frame_behind(&live);
         Ok((version, report))
     }

@@ -1,7 +1,6 @@
 //! A map that begins as a copy of a release, or of another map as it stands.
 
 use sha2::{Digest as _, Sha256};
-use tracing::Instrument as _;
 
 use super::maps::patched;
 use super::releases::no_release;
@@ -12,6 +11,7 @@ use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
 use crate::domain::request::{Digest, MapPatch};
 use crate::engine::limits::shared_turns::Tenant;
+use crate::engine::tasks::to_its_end;
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
@@ -26,8 +26,7 @@ impl Service {
         owner: Option<KeySeq>,
     ) -> Result<Stored<MapReport>> {
         let service = self.clone();
-        let copying = async move { service.copy_whole(id, base, patch, owner).await };
-        tokio::spawn(copying.in_current_span()).await.map_err(ServiceError::panicked)?
+        to_its_end(async move { service.copy_whole(id, base, patch, owner).await }).await?
     }
 
     async fn copy_whole(

@@ -1,7 +1,6 @@
 //! Maps: make, read, change, delete.
 
 use sha2::{Digest as _, Sha256};
-use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
 use crate::config::traces;
@@ -14,6 +13,7 @@ use crate::domain::report::{MapReport, Page};
 use crate::domain::request::{Digest, MapPatch, NewMap};
 use crate::domain::settings::Settings;
 use crate::engine::maps::live::Decision;
+use crate::engine::tasks::{blocking, to_its_end};
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::recognition::map::recorder::Recorder;
 use crate::store::{Job, MapRow, StoreError};
@@ -146,8 +146,7 @@ impl Service {
         let deletion = async move {
             let deleting = live.clone();
             let store = service.store.clone();
-            let queued =
-                spawn_blocking(move || deleting.delete(&store)).await.map_err(ServiceError::panicked)??;
+            let queued = blocking(move || deleting.delete(&store)).await??;
             let deleted = queued.await.map_err(|_| StoreError::Closed)?;
             service.features.forget_map(live.key).await;
             service.registry.forget_over(&live.id);
@@ -159,7 +158,7 @@ impl Service {
             tracing::info!(map = %live.id, "a map was deleted");
             Ok(())
         };
-        tokio::spawn(deletion.in_current_span()).await.map_err(ServiceError::panicked)?
+        to_its_end(deletion).await?
     }
 
     /// Deletes a map that cannot be loaded; its name is free again then.

@@ -6,11 +6,9 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use sha2::{Digest as _, Sha256};
-use tokio::task::spawn_blocking;
 use tokio::time::{Instant, timeout_at};
 
 use super::keyframe_views::find;
-use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeId, MapId};
 use crate::domain::request::{LoopQuery, Subject};
@@ -20,6 +18,7 @@ use crate::engine::bow::check_vocabulary;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
+use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
 use crate::recognition::loops::check_loop::screen;
@@ -143,7 +142,7 @@ impl Service {
             let _permit = self.reads.enter(Tenant::current(Some(live.key))).await?;
             let seed = query.seed;
             let verify = move || timed(|| verify_and_decide(screening, &features, seed));
-            spawn_blocking(in_part("verify", verify)).await.map_err(ServiceError::panicked)?
+            blocking_part("verify", verify).await?
         };
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         let keyframe = match &query.subject {

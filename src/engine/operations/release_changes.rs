@@ -5,7 +5,8 @@ use std::sync::Arc;
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::release::ReleaseChanges;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::tasks::blocking;
+use crate::engine::{Result, Service};
 use crate::recognition::map::changes_between::{ComparedVersion, changes_between};
 
 impl Service {
@@ -25,7 +26,7 @@ impl Service {
         };
         let (later, after) = self.compared(&live).await?;
         let compare = move || changes_between(&before, &after, limit);
-        let changes = tokio::task::spawn_blocking(compare).await.map_err(ServiceError::panicked)?;
+        let changes = blocking(compare).await?;
         Ok((earlier, later, changes))
     }
 

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use sha2::{Digest as _, Sha256};
 use tokio::task::spawn_blocking;
-use tracing::Instrument as _;
 
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{MapId, ReleaseName};
@@ -17,6 +16,7 @@ use crate::engine::limits::quota::check_release;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
+use crate::engine::tasks::to_its_end;
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
@@ -34,8 +34,7 @@ impl Service {
     ) -> Result<Stored<Release>> {
         let live = self.live(map).await?;
         let service = self.clone();
-        let publication = async move { service.publish_live(&live, name, wanted).await };
-        tokio::spawn(publication.in_current_span()).await.map_err(ServiceError::panicked)?
+        to_its_end(async move { service.publish_live(&live, name, wanted).await }).await?
     }
 
     async fn publish_live(
