@@ -1,5 +1,7 @@
 //! What a use case can answer instead of its result.
 
+use std::str::FromStr;
+
 use thiserror::Error;
 
 use crate::domain::invalid::FieldError;
@@ -92,7 +94,23 @@ impl ServiceError {
 
     /// Returns the error of a cursor that this server did not give.
     pub(super) fn bad_cursor(cursor: &str) -> Self {
-        Self::Invalid(vec![FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor)])
+        FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor).into()
+    }
+}
+
+/// Reads a cursor that this server gave.
+pub(super) fn parsed<T: FromStr>(cursor: Option<&str>) -> Result<Option<T>> {
+    cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()
+}
+
+/// Refuses what has faults.
+pub(super) fn refuse(faults: Vec<FieldError>) -> Result<()> {
+    if faults.is_empty() { Ok(()) } else { Err(ServiceError::Invalid(faults)) }
+}
+
+impl From<FieldError> for ServiceError {
+    fn from(fault: FieldError) -> Self {
+        Self::Invalid(vec![fault])
     }
 }
 

@@ -29,9 +29,7 @@ impl NamedVocabulary {
     /// Computes the bag of words of a keyframe from its features, if it has any.
     pub fn compute_bow(&self, mut keyframe: NewKeyframe) -> Result<NewKeyframe> {
         let Some(features) = &keyframe.features else { return Ok(keyframe) };
-        let invalid = |detail: String| {
-            ServiceError::Invalid(vec![FieldError::new("/features/descriptor_bytes", detail)])
-        };
+        let invalid = |detail: String| FieldError::new("/features/descriptor_bytes", detail);
         let transformed =
             self.vocabulary.transform_features(features).map_err(|error| invalid(error.to_string()))?;
         keyframe.bow = transformed.words.to_bow().map_err(|error| invalid(error.to_string()))?;

@@ -361,3 +361,13 @@ pub struct Page<T> {
     /// The cursor of the next part.
     pub next_cursor: Option<String>,
 }
+
+impl<T> Page<T> {
+    /// Returns the first `limit` of the items that are left; if there are more, with the cursor of the last one of these.
+    pub fn of(mut items: Vec<T>, limit: usize, cursor: impl FnOnce(&T) -> String) -> Self {
+        let more = items.len() > limit;
+        items.truncate(limit);
+        let next_cursor = items.last().filter(|_| more).map(cursor);
+        Self { items, next_cursor }
+    }
+}

@@ -9,6 +9,7 @@ use super::keyring::{Keyring, now};
 use super::lockout::{Lockout, WAY_BACK, check_first_key, check_revocation};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, secret_hash};
+use crate::engine::error::refuse;
 use crate::engine::{Result, ServiceError};
 use crate::store::{Job, NewKeyRow};
 
@@ -99,7 +100,7 @@ fn check(properties: &KeyProperties) -> Result<()> {
     if properties.expires.is_some_and(|expires| expires <= now()) {
         errors.push(FieldError::new("/expires", "the key would have expired already"));
     }
-    if errors.is_empty() { Ok(()) } else { Err(ServiceError::Invalid(errors)) }
+    refuse(errors)
 }
 
 /// Rejects an administrator's key that does not reach every map: it could make itself one that does.
@@ -109,7 +110,7 @@ fn check_reach(properties: &KeyProperties) -> Result<()> {
         return Ok(());
     }
     let detail = "an admin key makes keys for any map, so it cannot be kept from some";
-    Err(ServiceError::Invalid(vec![FieldError::new("/maps", detail).limit("[\"*\"]")]))
+    Err(FieldError::new("/maps", detail).limit("[\"*\"]").into())
 }
 
 fn new_secret() -> Result<String> {

@@ -67,9 +67,6 @@ impl Service {
             let at = at.ok_or_else(|| ServiceError::bad_cursor(cursor))?;
             items.drain(..=at);
         }
-        let more = items.len() > limit;
-        items.truncate(limit);
-        let next_cursor = items.last().filter(|_| more).map(|report| report.id.to_string());
-        Ok(Page { items, next_cursor })
+        Ok(Page::of(items, limit, |report| report.id.to_string()))
     }
 }

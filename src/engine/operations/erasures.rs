@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::domain::erasure::{Erasure, MergedInVersion, NewErasure, with_merged};
 use crate::domain::ids::{BackupId, MapId, SessionId};
 use crate::domain::invalid::FieldError;
+use crate::engine::error::refuse;
 use crate::engine::keys::keyring::now;
 use crate::engine::{Result, Service, ServiceError};
 use crate::store::{ErasureStep, Job, MapKey};
@@ -58,10 +59,8 @@ impl Service {
                 "a session without prior anchors: delete these, and the release that has some, before";
             faults.entry(*at).or_insert_with(|| fault.limit(limit));
         }
-        if faults.is_empty() {
-            return Ok(all.into_keys().cloned().collect());
-        }
-        Err(ServiceError::Invalid(faults.into_values().collect()))
+        refuse(faults.into_values().collect())?;
+        Ok(all.into_keys().cloned().collect())
     }
 
     /// Returns an erasure, and the backups that were taken before it was done: they still hold what it erased.

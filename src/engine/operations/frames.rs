@@ -6,10 +6,10 @@ use std::sync::atomic::Ordering;
 
 use tokio::time::{Instant, sleep_until};
 
+use super::named::no_keyframe_of_session;
 use crate::domain::event::{Event, EventKind};
 use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
 use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
-use crate::domain::invalid::FieldError;
 use crate::domain::report::{FrameReport, FramesReport};
 use crate::engine::limits::concurrency_limit::Wait;
 use crate::engine::limits::shared_turns::Tenant;
@@ -199,10 +199,7 @@ fn report(
 fn chosen<'f>(index: &MapIndex, frames: &'f FleetFrames, id: &SessionId) -> Result<&'f FramedSession> {
     let session = index.session(id);
     let found = frames.sessions.iter().find(|of| Some(of.session) == session);
-    found.ok_or_else(|| {
-        let detail = "no keyframe of this session is in the map";
-        ServiceError::Invalid(vec![FieldError::new("?reference", detail).got(id)])
-    })
+    found.ok_or_else(|| no_keyframe_of_session("?reference", id))
 }
 
 /// Returns the oldest session of those that most are joined with.

@@ -4,6 +4,7 @@ use super::keyframe_views::{find, record, summary};
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::report::{KeyframeRecord, KeyframeSummary, Page};
 use crate::domain::verdict::LocalAnchorReport;
+use crate::engine::error::parsed;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
@@ -21,7 +22,7 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, Page<KeyframeSummary>)> {
         let live = self.live(map).await?;
-        let from = start(cursor)?;
+        let from = KeyframeSeq(parsed(cursor)?.unwrap_or(0));
         self.read(&live, move |state| {
             let index = &state.index;
             let mut rest = index.keyframes_from(from);
@@ -40,7 +41,7 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, Page<KeyframeSummary>)> {
         let live = self.live(map).await?;
-        let from = start(cursor)?;
+        let from = KeyframeSeq(parsed(cursor)?.unwrap_or(0));
         self.read(&live, move |state| {
             let index = &state.index;
             let found = find_redundant(index, from, limit);
@@ -112,10 +113,4 @@ impl Service {
         // Culled between the look at the index and the look at the store.
         self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
-}
-
-/// Returns the first keyframe of a page.
-fn start(cursor: Option<&str>) -> Result<KeyframeSeq> {
-    let number = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)));
-    number.map(KeyframeSeq)
 }

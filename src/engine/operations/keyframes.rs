@@ -10,6 +10,7 @@ use crate::domain::keyframe::NewKeyframe;
 use crate::domain::report::KeyframeReport;
 use crate::domain::request::Digest;
 use crate::engine::bow::check_vocabulary;
+use crate::engine::error::refuse;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Begun, Decision, LiveMap, State};
@@ -145,9 +146,7 @@ impl Service {
             let declared = keyframe.declared().iter().enumerate().map(|(place, (id, _))| (place, id));
             let mut errors = unknown_covisible(index, declared);
             errors.extend(driven_frame(index, &keyframe.session));
-            if !errors.is_empty() {
-                return Err(ServiceError::Invalid(errors));
-            }
+            refuse(errors)?;
             check_vocabulary(index, &keyframe)?;
             check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             check_keyframe(&room, index, &keyframe)?;

@@ -91,9 +91,7 @@ impl Service {
         if ids.len() > LOCATE_MAPS_MAX {
             let fault = FieldError::new("/maps", "the request asks more maps than one request may");
             let fault = fault.got(format!("at least {} maps", ids.len()));
-            return Err(ServiceError::Invalid(vec![
-                fault.limit(format!("{LOCATE_MAPS_MAX} maps; name fewer")),
-            ]));
+            return Err(fault.limit(format!("{LOCATE_MAPS_MAX} maps; name fewer")).into());
         }
         Ok(ids.into_iter().collect())
     }

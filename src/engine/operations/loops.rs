@@ -7,6 +7,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, Page};
 use crate::domain::request::NewLoop;
+use crate::engine::error::parsed;
 use crate::engine::limits::quota::check_loop;
 use crate::engine::maps::live::Decision;
 use crate::engine::maps::write_path::Manner;
@@ -36,7 +37,7 @@ impl Service {
             let scale = new.candidate_from_query.as_ref().map_or(1.0, Sim3::scale);
             if index.properties().metric && (scale - 1.0).abs() > SCALE_TOLERANCE {
                 let fault = FieldError::new("/candidate_from_query/scale", "the map is metric").got(scale);
-                return Err(ServiceError::Invalid(vec![fault.limit("1")]));
+                return Err(fault.limit("1").into());
             }
             let candidate_from_query = new.candidate_from_query.or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };
@@ -62,16 +63,11 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, Page<LoopReport>)> {
         let live = self.live(map).await?;
-        let after: Option<LoopId> =
-            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
+        let after: Option<LoopId> = parsed(cursor)?;
         self.read(&live, move |state| {
             let rest = state.index.loops().keys().filter(|id| after.as_ref().is_none_or(|after| *id > after));
-            let mut items: Vec<LoopReport> =
-                rest.take(limit + 1).filter_map(|id| report(&state.index, id)).collect();
-            let more = items.len() > limit;
-            items.truncate(limit);
-            let next_cursor = items.last().filter(|_| more).map(|report| report.id.to_string());
-            Ok(Page { items, next_cursor })
+            let items = rest.take(limit + 1).filter_map(|id| report(&state.index, id)).collect();
+            Ok(Page::of(items, limit, |report| report.id.to_string()))
         })
         .await
     }

@@ -46,8 +46,7 @@ impl Service {
             None => ServiceError::no_map(&base.map),
         };
         if from == id {
-            let fault = FieldError::new("/base/map", "a map cannot begin as itself").got(&id);
-            return Err(ServiceError::Invalid(vec![fault]));
+            return Err(FieldError::new("/base/map", "a map cannot begin as itself").got(&id).into());
         }
         self.check_new_map(owner).await?;
         if let Some(of_key) = self.key_room(owner).await? {

@@ -12,6 +12,7 @@ use crate::domain::map::MapProperties;
 use crate::domain::report::{MapReport, Page};
 use crate::domain::request::{Digest, MapPatch, NewMap};
 use crate::domain::settings::Settings;
+use crate::engine::error::{parsed, refuse};
 use crate::engine::maps::live::Decision;
 use crate::engine::tasks::{blocking, to_its_end};
 use crate::engine::{Result, Service, ServiceError, Stored};
@@ -29,8 +30,7 @@ impl Service {
         limit: usize,
         visible: impl Fn(&MapId) -> bool,
     ) -> Result<Page<MapReport>> {
-        let mut after =
-            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
+        let mut after = parsed(cursor)?;
         let mut ids: Vec<MapId> = Vec::new();
         while ids.len() <= limit {
             let found = self.store.map_ids(after.as_ref(), limit + 1).await?;
@@ -41,12 +41,10 @@ impl Service {
                 break;
             }
         }
-        let more = ids.len() > limit;
-        ids.truncate(limit);
-        let next_cursor = ids.last().filter(|_| more).map(ToString::to_string);
+        let page = Page::of(ids, limit, ToString::to_string);
         // As committed. What was deleted since the names were read is left out.
-        let items = self.store.map_rows(&ids).await?.into_iter().map(|row| row.report).collect();
-        Ok(Page { items, next_cursor })
+        let items = self.store.map_rows(&page.items).await?.into_iter().map(|row| row.report).collect();
+        Ok(Page { items, next_cursor: page.next_cursor })
     }
 
     /// Makes a map, by itself or as a copy, or finds that this very request had made it.
@@ -214,5 +212,6 @@ pub(super) fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProp
             errors.push(FieldError::new(format!("/settings/{name}"), error.to_string()));
         }
     }
-    if errors.is_empty() { Ok(properties) } else { Err(ServiceError::Invalid(errors)) }
+    refuse(errors)?;
+    Ok(properties)
 }

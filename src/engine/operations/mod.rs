@@ -18,6 +18,7 @@ pub(super) mod loops;
 mod map_copies;
 mod maps;
 pub(super) mod model_verdicts;
+mod named;
 mod observations;
 pub(super) mod poses;
 pub(super) mod priors;

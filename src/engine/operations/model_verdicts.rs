@@ -1,11 +1,11 @@
 //! Model verdicts that a client brings: applied as if a model had answered here.
 
+use super::named::no_keyframe_of_map;
 use crate::domain::ids::MapId;
-use crate::domain::invalid::FieldError;
 use crate::domain::judged::CropRead;
 use crate::domain::request::NewVerdict;
 use crate::engine::maps::live::Decision;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
 use crate::recognition::map::index::MapIndex;
 
@@ -42,8 +42,7 @@ impl Service {
 fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>> {
     let NewVerdict::OfCrop(named, reading) = new else { return Ok(None) };
     let Some(keyframe) = index.keyframe_seq(&named.keyframe) else {
-        let fault = FieldError::new("/keyframe", "there is no such keyframe in the map").got(&named.keyframe);
-        return Err(ServiceError::Invalid(vec![fault]));
+        return Err(no_keyframe_of_map("/keyframe", &named.keyframe).into());
     };
     let at = (keyframe, named.number);
     let feeds = |anchor: &crate::domain::ids::AnchorSeq| {

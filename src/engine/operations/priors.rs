@@ -5,6 +5,7 @@ use crate::domain::ids::MapId;
 use crate::domain::invalid::FieldError;
 use crate::domain::prior::{NewPrior, id_form, is_servers_form};
 use crate::domain::report::AnchorReport;
+use crate::engine::error::refuse;
 use crate::engine::limits::quota::check_prior;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError, Stored};
@@ -24,10 +25,7 @@ impl Service {
                 }
                 return Ok(Decision::Unchanged((false, views::anchor(index, seq))));
             }
-            let faults = prior_faults(index, &new);
-            if !faults.is_empty() {
-                return Err(ServiceError::Invalid(faults));
-            }
+            refuse(prior_faults(index, &new))?;
             if index.priors().len() >= MAX_PRIORS {
                 return Err(ServiceError::MapFull(format!(
                     "the map holds {MAX_PRIORS} prior anchors, and may hold no more"
@@ -50,7 +48,7 @@ fn check_id(new: &NewPrior) -> Result<()> {
         return Ok(());
     }
     let fault = FieldError::new("{anchor}", "the server names anchors so itself");
-    Err(ServiceError::Invalid(vec![fault.got(&new.id).limit(id_form())]))
+    Err(fault.got(&new.id).limit(id_form()).into())
 }
 
 fn exists(new: &NewPrior) -> ServiceError {

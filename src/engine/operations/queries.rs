@@ -15,6 +15,7 @@ use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
+use crate::engine::error::refuse;
 use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
@@ -183,10 +184,7 @@ fn screen_subject(
         }
         Subject::Inline(keyframe, _) => {
             let declared = keyframe.declared().iter().enumerate().map(|(place, (id, _))| (place, id));
-            let errors = unknown_covisible(index, declared);
-            if !errors.is_empty() {
-                return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
-            }
+            refuse(unknown_covisible(index, declared).into_iter().map(within_inline).collect())?;
             check_vocabulary(index, keyframe)?;
             check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             Query::inline(index, keyframe)

@@ -11,6 +11,7 @@ use crate::domain::release::{NewRelease, Release};
 use crate::domain::report::Page;
 use crate::domain::request::Digest;
 use crate::engine::cluster::following::Effort;
+use crate::engine::error::parsed;
 use crate::engine::keys::keyring::now;
 use crate::engine::limits::quota::check_release;
 use crate::engine::limits::shared_turns::Tenant;
@@ -18,7 +19,7 @@ use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
 use crate::engine::tasks::to_its_end;
 use crate::engine::{Result, Service, ServiceError, Stored};
-use crate::store::CopiedAs;
+use crate::store::{CopiedAs, MapKey};
 
 /// Releases of a map, at most: each takes as much disk as the map.
 pub const RELEASES_MAX: u64 = 64;
@@ -95,7 +96,7 @@ impl Service {
         event.detail = Some(format!("release {name} of version {version}"));
         let (telling, store) = (live.clone(), self.store.clone());
         drop(spawn_blocking(move || telling.tell(&store, vec![event])));
-        let value = self.release_of(live, &name).await?;
+        let value = self.release_of(&live.id, live.key, &name).await?;
         Ok(Stored { created: true, map_version: version, value })
     }
 
@@ -124,26 +125,21 @@ impl Service {
         cursor: Option<&str>,
         limit: usize,
     ) -> Result<Page<Release>> {
-        let after =
-            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
+        let after = parsed(cursor)?;
         let key = self.key_of(map).await?;
-        let mut items = self.store.releases(key, after.as_ref(), limit + 1).await?;
-        let more = items.len() > limit;
-        items.truncate(limit);
-        let next_cursor = items.last().filter(|_| more).map(|release| release.name.to_string());
-        Ok(Page { items, next_cursor })
+        let items = self.store.releases(key, after.as_ref(), limit + 1).await?;
+        Ok(Page::of(items, limit, |release| release.name.to_string()))
     }
 
     /// Returns a release of a map.
     pub async fn get_release(&self, map: &MapId, name: &ReleaseName) -> Result<Release> {
         let key = self.key_of(map).await?;
-        let found = self.store.release(key, name).await?;
-        found.map(|(release, _)| release).ok_or_else(|| no_release(map, name))
+        self.release_of(map, key, name).await
     }
 
-    async fn release_of(&self, live: &LiveMap, name: &ReleaseName) -> Result<Release> {
-        let found = self.store.release(live.key, name).await?;
-        found.map(|(release, _)| release).ok_or_else(|| no_release(&live.id, name))
+    async fn release_of(&self, map: &MapId, key: MapKey, name: &ReleaseName) -> Result<Release> {
+        let found = self.store.release(key, name).await?;
+        found.map(|(release, _)| release).ok_or_else(|| no_release(map, name))
     }
 
     /// Deletes a release; robots that ask it hear that it is not there.

@@ -1,8 +1,10 @@
 //! Merges of sessions: two maps of a client became one, and two again.
 
+use super::named::find_session;
 use crate::domain::ids::{MapId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
+use crate::engine::error::refuse;
 use crate::engine::limits::quota::check_merge;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError};
@@ -39,10 +41,7 @@ impl Service {
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             let session = driven(index, &request.session)?;
-            let faults = merge_faults(index, &request);
-            if !faults.is_empty() {
-                return Err(ServiceError::Invalid(faults));
-            }
+            refuse(merge_faults(index, &request))?;
             let keyframes = keyframes_of_session(index, session);
             if keyframes.is_empty() {
                 return Ok(Decision::Unchanged(MergedCounts::default()));
@@ -89,11 +88,10 @@ impl Service {
 
 /// Returns the number of a session that robots drive or drove.
 fn driven(index: &MapIndex, id: &SessionId) -> Result<SessionSeq> {
-    let missing = || ServiceError::NotFound(format!("there is no session {id} in this map"));
-    let session = index.session(id).ok_or_else(missing)?;
+    let session = find_session(index, id)?;
     if index.priors().is_frame(session) {
         let detail = "this session is the frame of a plan, and no robot drives it";
-        return Err(ServiceError::Invalid(vec![FieldError::new("{session}", detail).got(id)]));
+        return Err(FieldError::new("{session}", detail).got(id).into());
     }
     Ok(session)
 }

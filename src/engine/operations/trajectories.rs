@@ -2,22 +2,18 @@
 
 use std::collections::HashSet;
 
+use super::named::find_session;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{KeyframeId, MapId, SessionId, SessionSeq};
 use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Returns the trajectories of a map, or of one of its sessions with the loops within it.
     pub async fn trajectory(&self, map: &MapId, session: Option<SessionId>) -> Result<TrajectoryReport> {
         let live = self.live(map).await?;
-        let chosen = move |index: &MapIndex| {
-            let Some(id) = &session else { return Ok(None) };
-            let seq = index.session(id);
-            seq.map(Some)
-                .ok_or_else(|| ServiceError::NotFound(format!("there is no session {id} in this map")))
-        };
+        let chosen = move |index: &MapIndex| session.as_ref().map(|id| find_session(index, id)).transpose();
         let (map_version, tracks) = self
             .read(&live, move |state| {
                 let session = chosen(&state.index)?;

@@ -12,6 +12,7 @@ use crate::domain::report::Page;
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
 use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
+use crate::engine::error::parsed;
 use crate::engine::keys::keyring::now;
 use crate::engine::lock::lock;
 use crate::engine::maps::live::{LiveMap, State};
@@ -104,19 +105,16 @@ impl Service {
         cursor: Option<&str>,
         limit: usize,
     ) -> Result<Page<ListedVerdict>> {
-        let before = cursor
-            .map_or(Ok(i64::MAX), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)))?;
+        let before = parsed(cursor)?.unwrap_or(i64::MAX);
         let key = match release {
             Some(name) => self.live_release(map, name).await?.key,
             None => self.key_of(map).await?,
         };
         // Those that this server gave are written behind.
         self.store.committer().settled().await;
-        let mut found = self.store.verdicts(key, filter, before, limit + 1).await?;
-        let more = found.len() > limit;
-        found.truncate(limit);
-        let next_cursor = found.last().filter(|_| more).map(|(kept, _)| kept.to_string());
-        Ok(Page { items: found.into_iter().map(|(_, listed)| listed).collect(), next_cursor })
+        let found = self.store.verdicts(key, filter, before, limit + 1).await?;
+        let Page { items, next_cursor } = Page::of(found, limit, |(kept, _)| kept.to_string());
+        Ok(Page { items: items.into_iter().map(|(_, listed)| listed).collect(), next_cursor })
     }
 
     /// Returns a recorded answer.
