@@ -5,7 +5,7 @@
 //! for [`MAX_UNKNOWN_KEY_LOOKUPS`] at once.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tokio::sync::{Mutex, Semaphore, watch};
@@ -52,15 +52,13 @@ pub(super) struct Table {
 #[derive(Clone, Debug)]
 pub struct Keyring {
     pub(super) store: Store,
-    table: Arc<RwLock<Arc<Table>>>,
+    table: watch::Sender<Arc<Table>>,
     /// When the disk was last looked at.
     looked: Arc<Mutex<Instant>>,
     /// Those who wait for a look at the disk.
     strangers: Arc<Semaphore>,
     /// Held while a key is made or revoked.
     pub(super) changing: Arc<Mutex<()>>,
-    /// Counts the times that the table was taken anew.
-    taken: watch::Sender<u64>,
     /// Whether a key is wanted even while there is none.
     required: bool,
 }
@@ -70,11 +68,10 @@ impl Keyring {
     /// one.
     pub async fn open(store: Store, required: bool) -> Result<Self> {
         let keyring = Self {
-            table: Arc::default(),
+            table: watch::Sender::default(),
             looked: Arc::new(Mutex::new(Instant::now())),
             strangers: Arc::new(Semaphore::new(MAX_UNKNOWN_KEY_LOOKUPS)),
             changing: Arc::default(),
-            taken: watch::Sender::new(0),
             store,
             required,
         };
@@ -136,9 +133,9 @@ impl Keyring {
     /// Waits until an access is good no longer: its key is revoked or has expired, or there is a key now where there was
     /// none. For answers that go on and on.
     pub async fn ended(&self, access: &Access) {
-        let mut taken = self.taken.subscribe();
+        let mut taken = self.table.subscribe();
         loop {
-            taken.borrow_and_update();
+            taken.mark_unchanged();
             let now = now();
             let expires = match access {
                 Access::Open if self.is_open() => None,
@@ -189,7 +186,7 @@ impl Keyring {
 
     /// Looks whether another process has made or revoked a key.
     pub(in crate::engine) async fn poll_changes(&self) {
-        if let Err(error) = self.look().await {
+        if let Err(error) = self.reload().await {
             // What is in memory stays in force: keys do not stop working because a disk does.
             tracing::warn!(%error, "the keys could not be looked at");
         }
@@ -215,7 +212,8 @@ impl Keyring {
         }
     }
 
-    async fn look(&self) -> Result<(), StoreError> {
+    /// Takes the keys anew if they were changed.
+    pub(super) async fn reload(&self) -> Result<(), StoreError> {
         if self.store.key_change().await? != self.table().change {
             let was_open = self.is_open();
             self.take(self.store.keys().await?);
@@ -224,10 +222,6 @@ impl Keyring {
             }
         }
         Ok(())
-    }
-
-    pub(super) async fn reload(&self) -> Result<()> {
-        Ok(self.look().await?)
     }
 
     /// Waits for a look at the disk that began after a moment; all who wait share it.
@@ -242,24 +236,25 @@ impl Keyring {
     }
 
     pub(super) fn table(&self) -> Arc<Table> {
-        self.table.read().unwrap_or_else(PoisonError::into_inner).clone()
+        self.table.borrow().clone()
     }
 
     /// Holds these keys from now on; one that is as it was keeps its count of requests.
     fn take(&self, rows: KeyTable) {
-        let mut table = self.table.write().unwrap_or_else(PoisonError::into_inner);
-        if rows.change < table.change {
-            return;
-        }
-        let hold = |(hash, key): (SecretHash, Key)| {
-            let known = table.by_hash.get(&hash);
-            let held = known.filter(|held| held.key == key).cloned();
-            (hash, held.unwrap_or_else(|| Arc::new(HeldKey::after(known.map(Arc::as_ref), key))))
-        };
-        let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
-        let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();
-        *table = Arc::new(Table { change: rows.change, by_hash, by_seq });
-        self.taken.send_modify(|times| *times += 1);
+        self.table.send_if_modified(|table| {
+            if rows.change < table.change {
+                return false;
+            }
+            let hold = |(hash, key): (SecretHash, Key)| {
+                let known = table.by_hash.get(&hash);
+                let held = known.filter(|held| held.key == key).cloned();
+                (hash, held.unwrap_or_else(|| Arc::new(HeldKey::after(known.map(Arc::as_ref), key))))
+            };
+            let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
+            let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();
+            *table = Arc::new(Table { change: rows.change, by_hash, by_seq });
+            true
+        });
     }
 }
 
