@@ -25,8 +25,10 @@ const AHEAD_AT_ONCE: usize = 2;
 #[derive(Debug)]
 pub(in crate::engine) struct Followers {
     pub registry: Arc<Registry>,
-    versions: AtomicU64,
-    loaded_anew: AtomicU64,
+    /// Versions that copies took over from the log.
+    pub versions: AtomicU64,
+    /// Copies that were loaded anew.
+    pub loaded_anew: AtomicU64,
     /// When all copies were last found to be up to date; none before there was one.
     up_to_date: Mutex<Option<Instant>>,
     /// The last use of each copy, and since when it is the last.
@@ -70,14 +72,6 @@ impl Followers {
         copies.iter().map(|copy| (copy.id.clone(), copy.key)).collect()
     }
 
-    pub(super) fn count_versions(&self, versions: usize) {
-        self.versions.fetch_add(versions as u64, Ordering::Relaxed);
-    }
-
-    pub(super) fn count_loaded_anew(&self) {
-        self.loaded_anew.fetch_add(1, Ordering::Relaxed);
-    }
-
     /// Notes that every copy is as new as what is on disk.
     pub(super) fn note_up_to_date(&self) {
         *lock(&self.up_to_date) = Some(Instant::now());
@@ -86,11 +80,6 @@ impl Followers {
     /// Returns the number of copies.
     pub fn count(&self) -> u64 {
         self.registry.in_memory(|live| !live.is_over()).len() as u64
-    }
-
-    /// Returns the versions that copies took over from the log, and how often a copy was loaded anew.
-    pub fn taken_over(&self) -> (u64, u64) {
-        (self.versions.load(Ordering::Relaxed), self.loaded_anew.load(Ordering::Relaxed))
     }
 
     /// Returns the seconds since every copy was up to date; 0 without copies.

@@ -4,6 +4,7 @@
 //! (412). What it answers is what the owner answered at that version, to the byte.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use tokio::time::{Instant, sleep, timeout_at};
@@ -131,7 +132,7 @@ impl Service {
             match self.store.news(live.key, live.newest_version(), rewrites).await? {
                 News::Changes(versions) if versions.is_empty() => return Ok(()),
                 News::Changes(versions) => {
-                    self.followers.count_versions(versions.len());
+                    self.followers.versions.fetch_add(versions.len() as u64, Ordering::Relaxed);
                     let copy = live.clone();
                     blocking(move || copy.take_over(&versions)).await??;
                 }
@@ -140,7 +141,7 @@ impl Service {
                 }
                 news => {
                     if news == News::Unknown {
-                        self.followers.count_loaded_anew();
+                        self.followers.loaded_anew.fetch_add(1, Ordering::Relaxed);
                     }
                     live.throw_away();
                     self.registry.forget_over(&live.id);

@@ -35,7 +35,7 @@ impl Registry {
             return;
         }
         let evicted = self.take_idle(excess);
-        self.loads.count_evictions(evicted.len());
+        lock(&self.loads.figures).evictions += evicted.len() as u64;
         drop(evicted);
     }
 

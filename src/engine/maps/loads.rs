@@ -40,7 +40,7 @@ pub(in crate::engine) struct Loads {
     /// Counts uses, to tell which came first.
     uses: AtomicU64,
     is_evicting: AtomicBool,
-    figures: Mutex<LoadFigures>,
+    pub figures: Mutex<LoadFigures>,
 }
 
 /// Loads and evictions since the start.
@@ -105,16 +105,6 @@ impl Loads {
         figures.oversized += u64::from(is_oversized);
     }
 
-    /// Counts a copy that became this server's own.
-    pub fn count_promotion(&self) {
-        lock(&self.figures).promoted += 1;
-    }
-
-    /// Counts maps that were evicted.
-    pub fn count_evictions(&self, maps: usize) {
-        lock(&self.figures).evictions += maps as u64;
-    }
-
     /// Begins evicting in the background; false if somebody else does.
     pub fn begin_evicting(&self) -> bool {
         !self.is_evicting.swap(true, Ordering::AcqRel)
@@ -123,10 +113,5 @@ impl Loads {
     /// Ends what [`Self::begin_evicting`] began.
     pub fn end_evicting(&self) {
         self.is_evicting.store(false, Ordering::Release);
-    }
-
-    /// Returns the loads and evictions since the start.
-    pub fn figures(&self) -> LoadFigures {
-        *lock(&self.figures)
     }
 }

@@ -14,6 +14,7 @@ use super::loads::Used;
 use super::registry::Registry;
 use crate::domain::ids::MapId;
 use crate::engine::error::Result;
+use crate::engine::lock::lock;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::store::{MapFacts, News, Store};
 
@@ -45,7 +46,7 @@ impl Registry {
         }
         let mut index = take(&mut state.index);
         index.reserve(facts.next_keyframe.0, facts.next_anchor.0);
-        self.loads.count_promotion();
+        lock(&self.loads.figures).promoted += 1;
         tracing::info!(map = %id, version = facts.version, "a copy became this server's own map");
         Ok(Some(RebuiltMap { facts, index }))
     }

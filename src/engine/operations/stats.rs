@@ -92,7 +92,7 @@ impl Service {
         let mut stats = Stats {
             map_memory_bytes: memory.used(),
             map_memory_limit_bytes: memory.budget(),
-            loads: self.registry.loads.figures(),
+            loads: *lock(&self.registry.loads.figures),
             model_jobs: self.worker.open_jobs.load(Ordering::Relaxed),
             model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
             models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
@@ -114,8 +114,8 @@ impl Service {
             leases: self.store.leases().map_or(0, Leases::count),
             leases_lost: self.store.leases().map_or(0, Leases::lost),
             followed_maps: self.followers.count(),
-            followed_versions: self.followers.taken_over().0,
-            followed_loads: self.followers.taken_over().1,
+            followed_versions: self.followers.versions.load(Ordering::Relaxed),
+            followed_loads: self.followers.loaded_anew.load(Ordering::Relaxed),
             follower_lag_s: self.followers.lag_s(),
             ..Stats::default()
         };
