@@ -230,10 +230,8 @@ impl Service {
             }
             for id in loops {
                 let revoke = move |index: &mut MapIndex| {
-                    if !index.loops().contains_key(&id) {
-                        return Ok(Decision::Unchanged(()));
-                    }
-                    Ok(Decision::Changed((), revoke_loop(index, &id).1, None))
+                    let is_there = index.loops().contains_key(&id);
+                    Ok(Decision::of((), is_there.then(|| revoke_loop(index, &id).1)))
                 };
                 self.begin(live, Manner::Erasing, revoke).await?.committed().await?;
             }
@@ -241,20 +239,15 @@ impl Service {
                 let Some(bow) = self.store.bow(live.key, seq).await? else { continue };
                 let cull = move |index: &mut MapIndex| {
                     // Somebody else may have deleted it meanwhile, and given its name to another.
-                    if index.keyframe_seq(&id) != Some(seq) {
-                        return Ok(Decision::Unchanged(()));
-                    }
-                    Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
+                    let is_there = index.keyframe_seq(&id) == Some(seq);
+                    Ok(Decision::of((), is_there.then(|| cull_keyframe(index, seq, Arc::new(bow)))))
                 };
                 self.begin(live, Manner::Erasing, cull).await?.committed().await?;
                 self.features.forget(live.key, seq).await;
             }
         }
         if let NewErasure::Sessions(sessions) = asked.clone() {
-            let forget = move |index: &mut MapIndex| match forget_points(index, &sessions) {
-                Some(decided) => Ok(Decision::Changed((), decided, None)),
-                None => Ok(Decision::Unchanged(())),
-            };
+            let forget = move |index: &mut MapIndex| Ok(Decision::of((), forget_points(index, &sessions)));
             self.begin(live, Manner::Erasing, forget).await?.committed().await?;
         }
         Ok(())

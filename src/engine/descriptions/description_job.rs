@@ -8,9 +8,10 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::domain::judgement::{PastQuestion, TextFunction};
 use crate::engine::maps::live::{Decision, LiveMap};
-use crate::engine::{Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::dialogue::{Described, Describer};
+use crate::llm::judge::{Judged, Merged};
 use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
@@ -46,22 +47,22 @@ impl Service {
         let Some(ModelAnswer { answer, degraded }) = self.ask(live, models, lack).await? else {
             return Ok(());
         };
-        match answer {
+        let learned = match answer {
             // A reader's word is better than none until the model is back.
             Answer::Reading(read) => {
-                let (service, of_map, keyframe) = (self.clone(), live.clone(), read.keyframe);
-                let learn = move |index: &mut MapIndex| {
-                    let mut learned = learn_reading(index, read)?;
-                    service.add_twins(&of_map, index, (keyframe, None), &mut learned.decided);
-                    Some(learned)
-                };
-                self.learn(live, learn).await?;
+                let (service, of_map) = (self.clone(), live.clone());
+                self.learn(live, move |index| Ok(service.learn_crop(&of_map, index, read))).await
             }
             // A verdict of the built-in judge in the model's place is not kept.
-            Answer::Verdict(_) if degraded => {}
+            Answer::Verdict(_) if degraded => return Err(Fault::Away),
             Answer::Verdict(verdict) => {
-                self.learn(live, move |index| learn_verdict(index, verdict)).await?;
+                self.learn(live, move |index| Ok(learn_verdict(index, verdict))).await
             }
+        };
+        match learned {
+            // The map is gone, and the question with it.
+            Ok(_) | Err(ServiceError::NotFound(_)) => {}
+            Err(error) => return Err(error.into()),
         }
         if degraded { Err(Fault::Away) } else { Ok(()) }
     }
@@ -81,7 +82,7 @@ impl Service {
         let payer = self.payer(live.owner);
         let judge = models.judge.paid_by(payer.clone());
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
-        let (verdict, degraded) = match lack {
+        let (class, a, b, finding, source, reason, degraded) = match lack {
             DescriptionTask::Embedding { text } => {
                 if let Some(embeddings) = &models.embeddings {
                     embeddings.take(&text, payer).await?;
@@ -94,26 +95,22 @@ impl Service {
                 return self.ask_about_crop(live, describer, at, &class, hint.as_deref()).await;
             }
             DescriptionTask::Information { class, text } => {
-                let judged = judge.information(&class, &text, None).await;
-                let finding = Finding::Information(judged.level);
-                let (source, reason) = (judged.source.into(), judged.reason.into());
-                let verdict =
-                    ModelVerdict { class, a: text, b: "".into(), finding, source, reason, fingerprint };
-                (verdict, judged.degraded)
+                let Judged { level, source, reason, degraded, .. } =
+                    judge.information(&class, &text, None).await;
+                (class, text, "".into(), Finding::Information(level), source, reason, degraded)
             }
             DescriptionTask::Similarity { class, a, b } => {
-                let judged = judge.similarity(&class, &a, &b, None).await;
-                let finding = Finding::Similarity(judged.level);
-                let (source, reason) = (judged.source.into(), judged.reason.into());
-                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, judged.degraded)
+                let Judged { level, source, reason, degraded, .. } =
+                    judge.similarity(&class, &a, &b, None).await;
+                (class, a, b, Finding::Similarity(level), source, reason, degraded)
             }
             DescriptionTask::Merge { class, a, b, as_read: [first, second] } => {
-                let merged = judge.merge(&class, &first, &second, None).await;
-                let finding = Finding::Merge(merged.text.into());
-                let (source, reason) = (merged.source.into(), "".into());
-                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, merged.degraded)
+                let Merged { text, source, degraded, .. } = judge.merge(&class, &first, &second, None).await;
+                (class, a, b, Finding::Merge(text.into()), source, String::new(), degraded)
             }
         };
+        let (source, reason) = (source.into(), reason.into());
+        let verdict = ModelVerdict { class, a, b, finding, source, reason, fingerprint };
         Ok(Some(ModelAnswer { answer: Answer::Verdict(verdict), degraded }))
     }
 
@@ -142,26 +139,36 @@ impl Service {
         Ok(Some(ModelAnswer { answer: Answer::Reading(read), degraded }))
     }
 
-    /// Checks a verdict against the map as it is now and applies it; what it triggers is asked about.
+    /// Checks what a model said against the map as it is now and applies it; what it triggers is asked about. Returns the map's
+    /// version, and whether that changed anything.
     pub(in crate::engine) async fn learn(
         &self,
         live: &Arc<LiveMap>,
-        learn: impl FnOnce(&mut MapIndex) -> Option<Learned> + Send + 'static,
-    ) -> Result<(), Fault> {
+        learn: impl FnOnce(&mut MapIndex) -> Result<Option<Learned>> + Send + 'static,
+    ) -> Result<(u64, bool)> {
         let decide = move |index: &mut MapIndex| {
-            Ok(match learn(index) {
-                Some(Learned { decided, triggers }) => Decision::Changed(triggers, decided, None),
-                None => Decision::Unchanged(Vec::new()),
+            Ok(match learn(index)? {
+                Some(Learned { decided, triggers }) => Decision::Changed(Some(triggers), decided, None),
+                None => Decision::Unchanged(None),
             })
         };
-        let (triggers, _) = match self.change(live, decide).await {
-            Ok(changed) => changed,
-            // The map is gone, and the question with it.
-            Err(ServiceError::NotFound(_)) => return Ok(()),
-            Err(error) => return Err(error.into()),
-        };
-        self.trigger(&live.id, triggers);
-        Ok(())
+        let (triggers, version) = self.change(live, decide).await?;
+        let is_applied = triggers.is_some();
+        self.trigger(&live.id, triggers.unwrap_or_default());
+        Ok((version, is_applied))
+    }
+
+    /// Applies the reading of a crop, and looks for twins of what its keyframe sees.
+    pub(in crate::engine) fn learn_crop(
+        &self,
+        live: &LiveMap,
+        index: &mut MapIndex,
+        read: CropRead,
+    ) -> Option<Learned> {
+        let keyframe = read.keyframe;
+        let mut learned = learn_reading(index, read)?;
+        self.add_twins(live, index, (keyframe, None), &mut learned.decided);
+        Some(learned)
     }
 }
 

@@ -13,25 +13,15 @@ use super::description_job::ModelAnswer;
 use crate::domain::ids::{JudgementId, MapId};
 use crate::domain::judged::Answer;
 use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
-use crate::engine::maps::live::{Decision, LiveMap};
+use crate::engine::maps::live::LiveMap;
 use crate::engine::{Result, Service};
 use crate::llm::Models;
-use crate::recognition::anchors::apply_model_answer::Learned;
 use crate::recognition::anchors::description_tasks::DescriptionTask;
 use crate::recognition::anchors::rejudging::{asked_today, rejudge};
 use crate::store::MapKey;
 
 /// Times that a question is asked before the job passes it over, while the model answers others.
 const TRIES_MAX: u32 = 8;
-
-/// State of a job after a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    /// There may be more at once.
-    Went,
-    /// It waits for something that nobody announces.
-    Waits,
-}
 
 /// The runner and its state.
 pub(in crate::engine) struct JudgementRunner {
@@ -65,7 +55,7 @@ impl JudgementRunner {
                     return;
                 }
                 match self.step(&map, key, &id).await {
-                    Ok(step) => went |= step == Step::Went,
+                    Ok(goes_on) => went |= goes_on,
                     Err(error) => tracing::warn!(%map, judgement = %id, %error, "a judgement waits"),
                 }
             }
@@ -81,18 +71,19 @@ impl JudgementRunner {
         }
     }
 
-    /// Asks the next questions of a job, and keeps the answers.
-    async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step> {
+    /// Asks the next questions of a job, and keeps the answers. Returns whether there may be more at once; else the job waits for
+    /// something that nobody announces.
+    async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<bool> {
         if !self.service.is_here(map).await {
-            return Ok(Step::Waits);
+            return Ok(false);
         }
         let live = self.service.live_in_background(map).await?;
         if live.key != key || self.service.pressure.is_high() {
-            return Ok(Step::Waits);
+            return Ok(false);
         }
-        let Some(job) = self.service.store.judgement(key, id).await? else { return Ok(Step::Waits) };
+        let Some(job) = self.service.store.judgement(key, id).await? else { return Ok(false) };
         if job.state != JobState::Running {
-            return Ok(Step::Went);
+            return Ok(true);
         }
         let questions = self.questions(&live, &job).await?;
         let mut progress = JudgementProgress {
@@ -114,10 +105,10 @@ impl JudgementRunner {
             progress.position = Some(question);
         }
         if progress.position.is_none() && !progress.is_over {
-            return Ok(Step::Waits);
+            return Ok(false);
         }
         self.keep(&live, answers, progress).await?;
-        Ok(Step::Went)
+        Ok(true)
     }
 
     /// Returns the next questions, each as it is asked today.
@@ -173,13 +164,8 @@ impl JudgementRunner {
         answers: Vec<Answer>,
         progress: JudgementProgress,
     ) -> Result<()> {
-        let decide = move |index: &mut _| {
-            let Learned { decided, triggers } = rejudge(index, answers, progress);
-            Ok(Decision::Changed(triggers, decided, None))
-        };
-        let (triggers, _) = self.service.change(live, decide).await?;
+        self.service.learn(live, move |index| Ok(Some(rejudge(index, answers, progress)))).await?;
         self.tries.remove(&live.key);
-        self.service.trigger(&live.id, triggers);
         Ok(())
     }
 }

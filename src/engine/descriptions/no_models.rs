@@ -4,9 +4,10 @@
 
 use std::sync::Arc;
 
-use crate::engine::Service;
 use crate::engine::maps::live::{Decision, LiveMap};
+use crate::engine::{Result, Service};
 use crate::recognition::anchors::apply_model_answer::learn_away;
+use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Has a map that was just taken wait for no model, if this server has none.
@@ -15,14 +16,14 @@ impl Service {
         if is_told || live.glance(|state| state.index.model_away()).is_none_or(|(_, waits)| !waits) {
             return;
         }
-        let told = self.change(live, |index| {
-            Ok(match learn_away(index, false) {
-                Some(decided) => Decision::Changed((), decided, None),
-                None => Decision::Unchanged(()),
-            })
-        });
-        if let Err(error) = told.await {
+        if let Err(error) = self.tell_away(live, false).await {
             tracing::warn!(map = %live.id, %error, "a map still waits for a model that this server has not");
         }
+    }
+
+    /// Has a map record whether it waits for a model that is away.
+    pub(super) async fn tell_away(&self, live: &Arc<LiveMap>, away: bool) -> Result<()> {
+        let decide = move |index: &mut MapIndex| Ok(Decision::of((), learn_away(index, away)));
+        self.change(live, decide).await.map(drop)
     }
 }

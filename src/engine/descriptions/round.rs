@@ -18,13 +18,12 @@ use super::running_jobs::{Done, Jobs, named};
 use super::unexamined::UnexaminedMaps;
 use crate::domain::ids::MapId;
 use crate::engine::lock::lock;
-use crate::engine::maps::live::{Decision, LiveMap};
+use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::embeddings::Embeddings as ModelEmbeddings;
 use crate::llm::port::Fault;
-use crate::recognition::anchors::apply_model_answer::learn_away;
 use crate::recognition::anchors::description_tasks::DescriptionTask;
 use crate::store::MapKey;
 
@@ -160,13 +159,7 @@ impl Round {
     }
 
     async fn tell_away(&self, live: &Arc<LiveMap>, away: bool) {
-        let told = self.service.change(live, move |index| {
-            Ok(match learn_away(index, away) {
-                Some(decided) => Decision::Changed((), decided, None),
-                None => Decision::Unchanged(()),
-            })
-        });
-        if let Err(error) = told.await {
+        if let Err(error) = self.service.tell_away(live, away).await {
             tracing::debug!(map = %live.id, %error, "could not tell that a model is away or back");
         }
     }

@@ -103,6 +103,16 @@ pub(in crate::engine) enum Decision<T> {
     Unchanged(T),
 }
 
+impl<T> Decision<T> {
+    /// Returns the decision with this value, if there was something to do.
+    pub fn of(value: T, decided: Option<Decided>) -> Self {
+        match decided {
+            Some(decided) => Self::Changed(value, decided, None),
+            None => Self::Unchanged(value),
+        }
+    }
+}
+
 /// When a decision goes to the disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Urgency {

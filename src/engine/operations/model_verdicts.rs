@@ -4,9 +4,8 @@ use super::named::no_keyframe_of_map;
 use crate::domain::ids::MapId;
 use crate::domain::judged::CropRead;
 use crate::domain::request::NewVerdict;
-use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service};
-use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
+use crate::recognition::anchors::apply_model_answer::learn_verdict;
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
@@ -14,27 +13,14 @@ impl Service {
     pub async fn bring_verdict(&self, map: &MapId, new: NewVerdict) -> Result<(u64, bool)> {
         let live = self.live(map).await?;
         let (service, of_map) = (self.clone(), live.clone());
-        let decide = move |index: &mut MapIndex| {
-            let learned = match new {
-                NewVerdict::OfTexts(verdict) => learn_verdict(index, verdict),
-                crop @ NewVerdict::OfCrop(..) => {
-                    let Some(read) = crop_read(index, crop)? else { return Ok(Decision::Unchanged(None)) };
-                    let keyframe = read.keyframe;
-                    learn_reading(index, read).map(|mut learned| {
-                        service.add_twins(&of_map, index, (keyframe, None), &mut learned.decided);
-                        learned
-                    })
-                }
-            };
-            Ok(match learned {
-                Some(Learned { decided, triggers }) => Decision::Changed(Some(triggers), decided, None),
-                None => Decision::Unchanged(None),
-            })
+        let learn = move |index: &mut MapIndex| match new {
+            NewVerdict::OfTexts(verdict) => Ok(learn_verdict(index, verdict)),
+            crop @ NewVerdict::OfCrop(..) => {
+                let read = crop_read(index, crop)?;
+                Ok(read.and_then(|read| service.learn_crop(&of_map, index, read)))
+            }
         };
-        let (triggers, version) = self.change(&live, decide).await?;
-        let applied = triggers.is_some();
-        self.trigger(&live.id, triggers.unwrap_or_default());
-        Ok((version, applied))
+        self.learn(&live, learn).await
     }
 }
 

@@ -190,18 +190,16 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                     answer: TEXTS[usize::from(text)].to_owned(),
                 }];
                 let fingerprint = "law".into();
-                learn_reading(
-                    index,
-                    CropRead { anchor, keyframe, detection, reading, transcript, fingerprint },
-                )
+                let read = CropRead { anchor, keyframe, detection, reading, transcript, fingerprint };
+                learn_reading(index, read)
             };
-            service.learn(&live, learn).await.expect("a change");
+            service.learn(&live, move |index| Ok(learn(index))).await.expect("a change");
             Ok(())
         }
         Request::Judge { class, a, b, finding } => {
             let live = service.live(map).await?;
             let verdict = verdict(class, a, b, finding);
-            service.learn(&live, move |index| learn_verdict(index, verdict)).await.expect("a change");
+            service.learn(&live, move |index| Ok(learn_verdict(index, verdict))).await.expect("a change");
             Ok(())
         }
         Request::JudgeAgain { anchor, observation, texts: (read, a, b), finding } => {
@@ -228,19 +226,14 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 let (tally, position) = (Tally::default(), None);
                 let id = "again".parse().unwrap();
                 let progress = JudgementProgress { id, tally, position, is_over: false };
-                Some(rejudge(index, reading.into_iter().chain([verdict]).collect(), progress))
+                Ok(Some(rejudge(index, reading.into_iter().chain([verdict]).collect(), progress)))
             };
             service.learn(&live, learn).await.expect("a change");
             Ok(())
         }
         Request::Away(away) => {
             let live = service.live(map).await?;
-            let decide = move |index: &mut MapIndex| {
-                Ok(match learn_away(index, away) {
-                    Some(decided) => Decision::Changed((), decided, None),
-                    None => Decision::Unchanged(()),
-                })
-            };
+            let decide = move |index: &mut MapIndex| Ok(Decision::of((), learn_away(index, away)));
             service.change(&live, decide).await.map(drop)
         }
         Request::ChangeSign { kind, anchor, keyframe, other } => {
