@@ -218,7 +218,7 @@ pub struct MergeReport {
 }
 
 /// A job that asks a map's verdicts again, as it stands.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct JudgementReport {
     /// The map's version.
     pub map_version: u64,

@@ -2,9 +2,8 @@
 
 pub(super) mod bounds;
 pub(super) mod concurrency_limit;
-pub(super) mod key_bytes;
 pub mod load_shedding;
 pub(super) mod quota;
-mod room;
+pub(super) mod room;
 pub mod shared_turns;
 pub(super) mod trigger_queue;

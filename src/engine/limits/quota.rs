@@ -1,7 +1,7 @@
 //! Quota: does what a request brings fit into its map, and into what the key that made the map may hold?
 
 use crate::config::quotas::Quotas;
-use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
+use crate::domain::change::{KeyframeUpdate, ObservationUpdate};
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::prior::NewPrior;
@@ -44,15 +44,9 @@ impl KeyRoom {
 
 /// Refuses a keyframe that would take its map beyond a quota.
 pub(in crate::engine) fn check_keyframe(room: &Room, index: &MapIndex, keyframe: &NewKeyframe) -> Result<()> {
-    let keyframes = index.keyframe_count() as u64;
-    if let Some(most) = over(room.quotas.map_max_keyframes, keyframes + 1) {
-        return Err(full("keyframes", keyframes, most));
-    }
-    let anchors = index.objects().len() as u64;
-    let adds_anchors = u64::from(!keyframe.detections.is_empty());
-    if let Some(most) = over(room.quotas.map_max_anchors, anchors + adds_anchors).filter(|_| adds_anchors > 0)
-    {
-        return Err(full("anchors", anchors, most));
+    fits(room.quotas.map_max_keyframes, "keyframes", index.keyframe_count() as u64, 1)?;
+    if !keyframe.detections.is_empty() {
+        fits(room.quotas.map_max_anchors, "anchors", index.objects().len() as u64, 1)?;
     }
     let session = index.session(&keyframe.session);
     let of_session = session.map_or(keyframe.session.as_str().len() as u64, |_| 0);
@@ -67,11 +61,6 @@ pub(in crate::engine) fn check_points(
     points: &[(PointId, Point3)],
 ) -> Result<()> {
     check_bytes(room, index, new_points(index, Some(session), points))
-}
-
-/// Refuses a loop that would take its map beyond its quota. The one that reaches it may still merge what it matches.
-pub(in crate::engine) fn check_loop(room: &Room, index: &MapIndex, closed: &Loop) -> Result<()> {
-    check_bytes(room, index, closed.bytes())
 }
 
 /// Refuses lists of points and edges that would take their map beyond its quota. Those that are shorter than before are taken.
@@ -104,31 +93,25 @@ pub(in crate::engine) fn check_merge(
 
 /// Refuses a prior anchor that would take its map beyond a quota.
 pub(in crate::engine) fn check_prior(room: &Room, index: &MapIndex, prior: &NewPrior) -> Result<()> {
-    let anchors = index.objects().len() as u64;
-    if let Some(most) = over(room.quotas.map_max_anchors, anchors + 1) {
-        return Err(full("anchors", anchors, most));
-    }
+    fits(room.quotas.map_max_anchors, "anchors", index.objects().len() as u64, 1)?;
     let of_frame = index.session(&prior.frame).map_or(prior.frame.as_str().len() as u64, |_| 0);
     check_bytes(room, index, prior.bytes() + of_frame)
 }
 
 /// Refuses a release that would take its map, with the bytes of those that it has, beyond a quota: each is a copy.
 pub(in crate::engine) fn check_release(room: &Room, index: &MapIndex, of_releases: u64) -> Result<()> {
-    let with_releases = index.bytes() + of_releases;
-    match over(room.quotas.map_max_bytes, with_releases + index.bytes()) {
-        Some(most) => Err(full("bytes with its releases", with_releases, most)),
-        None => room.of_key.map_or(Ok(()), |of_key| of_key.check(index.bytes())),
-    }
+    let (bytes, with_releases) = (index.bytes(), index.bytes() + of_releases);
+    fits(room.quotas.map_max_bytes, "bytes with its releases", with_releases, bytes)?;
+    room.of_key.map_or(Ok(()), |of_key| of_key.check(bytes))
 }
 
-fn check_bytes(room: &Room, index: &MapIndex, more: u64) -> Result<()> {
+/// Refuses what would take a map beyond its quota, in bytes.
+pub(in crate::engine) fn check_bytes(room: &Room, index: &MapIndex, more: u64) -> Result<()> {
     if more == 0 {
         return Ok(());
     }
-    match over(room.quotas.map_max_bytes, index.bytes() + more) {
-        Some(most) => Err(full("bytes", index.bytes(), most)),
-        None => room.of_key.map_or(Ok(()), |of_key| of_key.check(more)),
-    }
+    fits(room.quotas.map_max_bytes, "bytes", index.bytes(), more)?;
+    room.of_key.map_or(Ok(()), |of_key| of_key.check(more))
 }
 
 /// Returns what the points that have no position yet will take, in bytes.
@@ -137,12 +120,9 @@ fn new_points(index: &MapIndex, session: Option<SessionSeq>, points: &[(PointId,
     points.iter().filter(|(id, _)| !is_known(*id)).count() as u64 * POINT_BYTES
 }
 
-fn over(quota: Option<u64>, after: u64) -> Option<u64> {
-    quota.filter(|most| after > *most)
-}
-
-fn full(what: &str, holds: u64, most: u64) -> ServiceError {
-    ServiceError::MapFull(format!(
+fn fits(quota: Option<u64>, what: &str, holds: u64, more: u64) -> Result<()> {
+    let Some(most) = quota.filter(|most| holds + more > *most) else { return Ok(()) };
+    Err(ServiceError::MapFull(format!(
         "the map holds {holds} {what}, and may hold {most}; delete some, or ask the operator"
-    ))
+    )))
 }

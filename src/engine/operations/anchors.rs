@@ -1,17 +1,21 @@
-//! Anchors: search, read, describe by hand, delete.
+//! Anchors: search, read, describe by hand, put as a plan shows them, delete.
 
 use super::views;
 use crate::domain::ids::{AnchorSeq, MapId, PriorId};
+use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::Crop;
-use crate::domain::prior::AnchorKey;
+use crate::domain::prior::{AnchorKey, NewPrior, id_form, is_servers_form};
 use crate::domain::report::{AnchorReport, Page};
 use crate::domain::request::AnchorFilter;
+use crate::engine::error::refuse;
+use crate::engine::limits::quota::check_prior;
 use crate::engine::maps::live::Decision;
 use crate::engine::maps::write_path::Manner;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::recognition::anchors::describing::describe;
+use crate::recognition::anchors::prior_anchors::{MAX_PRIORS, add_prior, prior_as_sent, prior_faults};
 use crate::recognition::map::culling::delete_object;
-use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::plans::alignments::Alignments;
 use crate::semantics::{self, Text, TextKind};
 
@@ -97,18 +101,39 @@ impl Service {
         Ok(self.begin(&live, Manner::Freeing, decide).await?.committed().await?.1)
     }
 
+    /// Puts a prior anchor, or finds that this very request had done so.
+    pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<Stored<AnchorReport>> {
+        check_prior_id(&new)?;
+        let live = self.live(map).await?;
+        let room = self.room(live.owner).await?;
+        let decide = move |index: &mut MapIndex| {
+            if let Some(seq) = index.priors().by_id(&new.id) {
+                if prior_as_sent(index, seq).as_ref() != Some(&new) {
+                    return Err(prior_exists(&new));
+                }
+                return Ok(Decision::Unchanged((false, find(index, seq)?)));
+            }
+            refuse(prior_faults(index, &new))?;
+            if index.priors().len() >= MAX_PRIORS {
+                return Err(ServiceError::MapFull(format!(
+                    "the map holds {MAX_PRIORS} prior anchors, and may hold no more"
+                )));
+            }
+            check_prior(&room, index, &new)?;
+            let (seq, decided) = add_prior(index, &new);
+            Ok(Decision::Changed((true, find(index, seq)?), decided, None))
+        };
+        let ((created, value), map_version) = self.change(&live, decide).await?;
+        Ok(Stored { created, map_version, value })
+    }
+
     /// Returns the best image crop of an anchor.
     pub async fn crop(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<Crop> {
         let live = self.live(map).await?;
         let key = anchor.into();
         let asked = key.clone();
         let (_, best) = self
-            .read(&live, move |state| {
-                let root = state.index.objects().root(resolve(&state.index, &asked)?);
-                let object = root.and_then(|root| state.index.objects().get(root));
-                let object = object.ok_or_else(|| ServiceError::no_anchor(&asked))?;
-                Ok(views::best_crop(&state.index, object))
-            })
+            .read(&live, move |state| Ok(views::best_crop(&state.index, object_of(&state.index, &asked)?)))
             .await?;
         let none = || ServiceError::NotFound(format!("anchor {key} has no crop"));
         let (keyframe, detection) = best.ok_or_else(none)?;
@@ -117,12 +142,18 @@ impl Service {
 }
 
 /// Returns the anchor that a public id names. A prior anchor has its name alone, and no number beside it.
-pub(super) fn resolve(index: &MapIndex, key: &AnchorKey) -> Result<AnchorSeq> {
+fn resolve(index: &MapIndex, key: &AnchorKey) -> Result<AnchorSeq> {
     let found = match key {
         AnchorKey::Numbered(seq) => index.anchor(*seq).filter(|anchor| anchor.prior.is_none()).map(|_| *seq),
         AnchorKey::Prior(id) => index.priors().by_id(id),
     };
     found.ok_or_else(|| ServiceError::no_anchor(key))
+}
+
+/// Returns what an anchor is with all that was merged into it.
+pub(super) fn object_of<'i>(index: &'i MapIndex, key: &AnchorKey) -> Result<&'i MergedAnchor> {
+    let root = index.objects().root(resolve(index, key)?);
+    root.and_then(|root| index.objects().get(root)).ok_or_else(|| ServiceError::no_anchor(key))
 }
 
 fn described_by_plan(id: &PriorId) -> ServiceError {
@@ -184,4 +215,21 @@ fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> 
         ))),
         _ => Ok(()),
     }
+}
+
+/// Rejects a name that the server may give to an anchor of its own.
+fn check_prior_id(new: &NewPrior) -> Result<()> {
+    if !is_servers_form(new.id.as_str()) {
+        return Ok(());
+    }
+    let fault = FieldError::new("{anchor}", "the server names anchors so itself");
+    Err(fault.got(&new.id).limit(id_form()).into())
+}
+
+fn prior_exists(new: &NewPrior) -> ServiceError {
+    let detail = format!(
+        "prior anchor {} exists and was sent with another body; delete it first if the plan has changed",
+        new.id
+    );
+    ServiceError::Conflict { code: "prior_exists", detail }
 }

@@ -33,17 +33,8 @@ impl Service {
         let map_version = live.newest_version();
         let questions = workload.questions();
         if new.preview {
-            let value = JudgementReport {
-                map_version,
-                id: None,
-                asks: new.asks,
-                state: None,
-                waits: false,
-                questions,
-                estimate,
-                tally: Tally::default(),
-                replaced: Vec::new(),
-            };
+            let asks = new.asks;
+            let value = JudgementReport { map_version, asks, questions, estimate, ..Default::default() };
             return Ok(Stored { created: false, map_version, value });
         }
         let (number, running) = self.store.next_judgement(live.key).await?;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::keyframe_views::{find, report};
+use super::keyframe_reads::report;
+use super::named::find;
 use crate::domain::anchor::Outcome;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::invalid::FieldError;

@@ -174,12 +174,14 @@ impl Service {
             let vectors: Vec<&BowVector> = asked.keyframes.iter().map(|one| &one.keyframe.bow).collect();
             let is_wanted =
                 |outline: &MapOutline| !is_hinted && do_words_decide(&asked, outline) && !is_room(outline);
-            let does_score = |outline: &MapOutline| is_wanted(outline) && are_words_compared(&asked, outline);
+            let does_score = |outline: &MapOutline| {
+                is_wanted(outline) && are_words_compared(&asked, outline.vocabulary.as_deref())
+            };
             let (read, took_ms) = timed(|| handle.block_on(store.best_score(&id, &vectors, does_score)));
             let read = read?.map(|(outline, best)| {
                 let best = is_wanted(&outline).then_some(best);
                 let promised = if best.is_none() { outline.memory_bytes } else { 0 };
-                let are_words_compared = are_words_compared(&asked, &outline);
+                let are_words_compared = are_words_compared(&asked, outline.vocabulary.as_deref());
                 (
                     Unloaded { asked: AskedMap { id, version: outline.version, are_words_compared }, best },
                     promised,
@@ -211,9 +213,7 @@ impl Service {
         let asked = question.clone();
         let searched = self.read(&live, move |state| {
             let (searched, took_ms) = timed(|| {
-                let of_map = state.index.vocabulary();
-                let are_words_compared =
-                    asked.keyframes.iter().all(|one| other_vocabulary(of_map, &one.keyframe).is_none());
+                let are_words_compared = are_words_compared(&asked, state.index.vocabulary());
                 (search_at(state, &asked, are_words_compared), are_words_compared)
             });
             Ok((searched, took_ms))
@@ -240,8 +240,7 @@ fn do_words_decide(question: &LocateQuestion, map: &MapOutline) -> bool {
     !are_signs_asked && !is_global_asked
 }
 
-fn are_words_compared(question: &LocateQuestion, map: &MapOutline) -> bool {
-    let of_map = map.vocabulary.as_deref();
+fn are_words_compared(question: &LocateQuestion, of_map: Option<&str>) -> bool {
     question.keyframes.iter().all(|asked| other_vocabulary(of_map, &asked.keyframe).is_none())
 }
 

@@ -1,6 +1,6 @@
 //! Loops that clients closed: confirm, list, revoke.
 
-use super::keyframe_views::find;
+use super::named::find;
 use crate::domain::change::Loop;
 use crate::domain::ids::{KeyframeId, LoopId, MapId};
 use crate::domain::invalid::FieldError;
@@ -8,7 +8,7 @@ use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, Page};
 use crate::domain::request::NewLoop;
 use crate::engine::error::parsed;
-use crate::engine::limits::quota::check_loop;
+use crate::engine::limits::quota::check_bytes;
 use crate::engine::maps::live::Decision;
 use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError, Stored};
@@ -41,17 +41,15 @@ impl Service {
             }
             let candidate_from_query = new.candidate_from_query.or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };
-            check_loop(&room, index, &closed)?;
-            let id = closed.id.clone();
-            let (warning, decided) = close_loop(index, closed);
-            Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))
+            // The one that reaches the quota may still merge what it matches.
+            check_bytes(&room, index, closed.bytes())?;
+            let (warning, decided) = close_loop(index, closed.clone());
+            Ok(Decision::Changed((true, confirmed(index, &closed, warning)), decided, None))
         };
         let ((created, value), map_version) = self.change(&live, decide).await?;
         if created {
             self.frame_behind(&live);
         }
-        let value =
-            value.ok_or_else(|| ServiceError::Internal("a loop vanished under the lock".to_owned()))?;
         Ok(Stored { created, map_version, value })
     }
 
@@ -65,8 +63,9 @@ impl Service {
         let live = self.live(map).await?;
         let after: Option<LoopId> = parsed(cursor)?;
         self.read(&live, move |state| {
-            let rest = state.index.loops().keys().filter(|id| after.as_ref().is_none_or(|after| *id > after));
-            let items = rest.take(limit + 1).filter_map(|id| report(&state.index, id)).collect();
+            let is_after = |closed: &&Loop| after.as_ref().is_none_or(|after| closed.id > *after);
+            let rest = state.index.loops().values().filter(is_after).take(limit + 1);
+            let items = rest.map(|closed| report(&state.index, closed)).collect();
             Ok(Page::of(items, limit, |report| report.id.to_string()))
         })
         .await
@@ -77,9 +76,8 @@ impl Service {
         let live = self.live(map).await?;
         let id = id.clone();
         let decide = move |index: &mut MapIndex| {
-            let known = report(index, &id);
-            let mut known =
-                known.ok_or_else(|| ServiceError::NotFound(format!("there is no loop {id} in this map")))?;
+            let none = || ServiceError::NotFound(format!("there is no loop {id} in this map"));
+            let mut known = report(index, index.loops().get(&id).ok_or_else(none)?);
             let (parted, decided) = revoke_loop(index, &id);
             known.merged = parted;
             Ok(Decision::Changed(known, decided, None))
@@ -99,13 +97,11 @@ pub struct ConfirmedLoop {
     pub warnings: Vec<LoopWarning>,
 }
 
-type Confirmed = (bool, Option<ConfirmedLoop>);
-
-fn confirmed(index: &MapIndex, id: &LoopId, warning: Option<LoopWarning>) -> Option<ConfirmedLoop> {
-    Some(ConfirmedLoop { report: report(index, id)?, warnings: warning.into_iter().collect() })
+fn confirmed(index: &MapIndex, closed: &Loop, warning: Option<LoopWarning>) -> ConfirmedLoop {
+    ConfirmedLoop { report: report(index, closed), warnings: warning.into_iter().collect() }
 }
 
-fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>> {
+fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<(bool, ConfirmedLoop)>> {
     let closed_alike =
         new.candidate_from_query.is_none() || new.candidate_from_query == known.candidate_from_query;
     let same = known.keyframe_id == new.keyframe
@@ -114,7 +110,7 @@ fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confi
         && closed_alike;
     if same {
         // What spoke against it was judged without it. Now the two maps overlap, and would agree with themselves.
-        return Ok(Decision::Unchanged((false, confirmed(index, &new.id, None))));
+        return Ok(Decision::Unchanged((false, confirmed(index, known, None))));
     }
     let detail = format!("loop {} exists between {} and {}", new.id, known.keyframe_id, known.candidate_id);
     Err(ServiceError::Conflict { code: "loop_exists", detail })
@@ -143,13 +139,12 @@ fn resolve(index: &MapIndex, new: NewLoop) -> Result<Loop> {
     }
 }
 
-fn report(index: &MapIndex, id: &LoopId) -> Option<LoopReport> {
-    let closed = index.loops().get(id)?;
-    Some(LoopReport {
+fn report(index: &MapIndex, closed: &Loop) -> LoopReport {
+    LoopReport {
         id: closed.id.clone(),
         keyframe: closed.keyframe_id.clone(),
         candidate: closed.candidate_id.clone(),
         query: closed.query.clone(),
-        merged: merges_of(index, id),
-    })
+        merged: merges_of(index, &closed.id),
+    }
 }

@@ -5,6 +5,11 @@ use crate::domain::invalid::FieldError;
 use crate::engine::{Result, ServiceError};
 use crate::recognition::map::index::MapIndex;
 
+/// Finds a keyframe by its id.
+pub(super) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq> {
+    index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
+}
+
 /// Finds the session that a path or a query names.
 pub(super) fn find_session(index: &MapIndex, id: &SessionId) -> Result<SessionSeq> {
     let missing = || ServiceError::NotFound(format!("there is no session {id} in this map"));

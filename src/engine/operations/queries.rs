@@ -8,7 +8,7 @@ use bytes::Bytes;
 use sha2::{Digest as _, Sha256};
 use tokio::time::{Instant, timeout_at};
 
-use super::keyframe_views::find;
+use super::named::find;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeId, MapId};
 use crate::domain::request::{LoopQuery, Subject};

@@ -1,4 +1,4 @@
-//! Releases: published, listed, deleted. Each is a map that holds one version of another one, and that nobody writes to.
+//! Releases: published, listed, compared, deleted. Each is a map that holds one version of another one, and that nobody writes to.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use tokio::task::spawn_blocking;
 
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{MapId, ReleaseName};
-use crate::domain::release::{NewRelease, Release};
+use crate::domain::release::{NewRelease, Release, ReleaseChanges};
 use crate::domain::report::Page;
 use crate::domain::request::Digest;
 use crate::engine::cluster::following::Effort;
@@ -17,8 +17,9 @@ use crate::engine::limits::quota::check_release;
 use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::loads::Used;
-use crate::engine::tasks::to_its_end;
+use crate::engine::tasks::{blocking, to_its_end};
 use crate::engine::{Result, Service, ServiceError, Stored};
+use crate::recognition::map::changes_between::{ComparedVersion, changes_between};
 use crate::store::{CopiedAs, MapKey};
 
 /// Releases of a map, at most: each takes as much disk as the map.
@@ -149,6 +150,31 @@ impl Service {
             ServiceError::NotFound(_) => no_release(map, name),
             error => error,
         })
+    }
+
+    /// Returns what changed from a release to another one, or to the map as it stands, with both versions. Each list has at most
+    /// `limit`.
+    pub async fn changes_since(
+        &self,
+        map: &MapId,
+        since: &ReleaseName,
+        until: Option<&ReleaseName>,
+        limit: usize,
+    ) -> Result<(u64, u64, ReleaseChanges)> {
+        let (earlier, before) = self.compared(&self.live_release(map, since).await?).await?;
+        let live = match until {
+            Some(name) => self.live_release(map, name).await?,
+            None => self.live(map).await?,
+        };
+        let (later, after) = self.compared(&live).await?;
+        let compare = move || changes_between(&before, &after, limit);
+        let changes = blocking(compare).await?;
+        Ok((earlier, later, changes))
+    }
+
+    /// Takes what is compared of a map, with its version.
+    async fn compared(&self, live: &Arc<LiveMap>) -> Result<(u64, ComparedVersion)> {
+        self.read(live, |state| Ok(ComparedVersion::of(&state.index))).await
     }
 
     /// Returns the map that holds a release, loaded if it was not in memory.

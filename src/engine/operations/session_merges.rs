@@ -1,5 +1,6 @@
 //! Merges of sessions: two maps of a client became one, and two again.
 
+use super::corrections::ChangedCounts;
 use super::named::find_session;
 use crate::domain::ids::{MapId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
@@ -19,24 +20,13 @@ pub const MERGED_KEYFRAMES_MAX: usize = 100_000;
 /// Keyframes of one whose map points get other numbers: each is a row, and all are written in one transaction.
 pub const RENUMBERED_KEYFRAMES_MAX: usize = 10_000;
 
-/// The effect of a merge of sessions on a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct MergedCounts {
-    /// Keyframes that moved.
-    pub keyframes: usize,
-    /// Map points with a position that moved.
-    pub map_points: usize,
-    /// Anchors that turned out to be one with another.
-    pub merged: usize,
-}
-
 impl Service {
     /// Merges a session into another one, all of it or nothing. One without keyframes is left as it is: it was merged before.
     pub async fn merge_sessions(
         &self,
         map: &MapId,
         request: SessionMergeRequest,
-    ) -> Result<(MergedCounts, u64)> {
+    ) -> Result<(ChangedCounts, u64)> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
@@ -44,7 +34,7 @@ impl Service {
             refuse(merge_faults(index, &request))?;
             let keyframes = keyframes_of_session(index, session);
             if keyframes.is_empty() {
-                return Ok(Decision::Unchanged(MergedCounts::default()));
+                return Ok(Decision::Unchanged(ChangedCounts::default()));
             }
             let (limit, what) = match request.map_points {
                 Renumbering::Same => (MERGED_KEYFRAMES_MAX, "keyframes"),
@@ -56,7 +46,7 @@ impl Service {
             }
             check_merge(&room, index, &request, &keyframes)?;
             let merged = merge_sessions(index, session, &request);
-            let counts = MergedCounts {
+            let counts = ChangedCounts {
                 keyframes: merged.keyframes,
                 map_points: merged.map_points,
                 merged: merged.merged,

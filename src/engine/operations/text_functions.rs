@@ -1,13 +1,13 @@
 //! The three functions of §IV-A.2 asked by hand, what models cost, and the dialogues that described an anchor.
 
-use super::anchors::resolve;
+use super::anchors::object_of;
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropReading, Transcript};
 use crate::domain::key::KeySeq;
 use crate::domain::prior::AnchorKey;
 use crate::domain::report::{UsageLine, UsageReport};
 use crate::engine::keys::access::Access;
-use crate::engine::{Result, Service, ServiceError};
+use crate::engine::{Result, Service};
 use crate::llm::daily_limits::{Limits, Payer};
 use crate::llm::judge::{Judge, Judged, Merged};
 
@@ -85,10 +85,8 @@ impl Service {
         let (version, readings) = self
             .read(&live, move |state| {
                 let index = &state.index;
-                let root = index.objects().root(resolve(index, &key)?);
-                let object = root.and_then(|root| index.objects().get(root));
-                let object = object.ok_or_else(|| ServiceError::no_anchor(&key))?;
-                let members = object.members.iter().filter_map(|member| index.anchor(*member));
+                let members =
+                    object_of(index, &key)?.members.iter().filter_map(|member| index.anchor(*member));
                 let mut readings: Vec<(KeyframeSeq, u16, String, CropReading)> = members
                     .flat_map(|anchor| anchor.observations.values())
                     .filter_map(|seen| {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
-use super::keyframe_views::find;
+use super::named::find;
 use crate::domain::event::EventKind;
 use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use crate::domain::reason::ReasonCode;

@@ -1,28 +1,29 @@
-//! Observations that change: what the client's map did to points and edges after it had sent the keyframes.
+//! Corrections: what the client's map did to poses, points and edges after it had sent the keyframes.
 
 use super::named::{keyframe_of_session, no_keyframe_of_map, session_of_body};
 use crate::domain::change::{KeyframeUpdate, ObservationUpdate};
 use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::domain::invalid::FieldError;
-use crate::domain::request::{ChangedKeyframe, ChangedObservations};
+use crate::domain::request::{ChangedKeyframe, ChangedObservations, PoseCorrection};
 use crate::engine::error::refuse;
-use crate::engine::limits::quota::check_observations;
+use crate::engine::limits::quota::{check_observations, check_points};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::observations::{
     CHANGED_PAIRS_MAX, TooManyPairs, change_observations, keyframes_of,
 };
+use crate::recognition::map::correction::{Correction, correct};
 use crate::recognition::map::index::MapIndex;
 
 /// Keyframes of which one request may change what they observe: each is a row, and all are written in one transaction.
 pub const CHANGED_KEYFRAMES_MAX: usize = 10_000;
 
-/// The effect of changed observations on a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The effect of changed observations, or of a merge of sessions, on a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ChangedCounts {
-    /// Keyframes that observe other points now, or have other declared neighbours.
+    /// Keyframes that observe other points now, or have other declared neighbours; or that moved.
     pub keyframes: usize,
-    /// Map points that are gone, fused or culled.
+    /// Map points that are gone, fused or culled; or that moved.
     pub map_points: usize,
     /// Anchors that turned out to be one with another.
     pub merged: usize,
@@ -56,6 +57,28 @@ impl Service {
             Ok(Decision::Changed(counts, changed.decided, None))
         };
         self.change(&live, decide).await
+    }
+
+    /// Applies a correction, all of it or nothing; anchors' boxes follow.
+    pub async fn correct_poses(&self, map: &MapId, correction: PoseCorrection) -> Result<u64> {
+        let live = self.live(map).await?;
+        let room = self.room(live.owner).await?;
+        let decide = move |index: &mut MapIndex| {
+            let session = session_of_body(index, &correction.session)?;
+            let mut errors = Vec::new();
+            let mut poses = Vec::new();
+            for (number, (id, pose)) in correction.keyframes.iter().enumerate() {
+                match keyframe_of_session(index, session, id, || format!("/keyframes/ids/{number}")) {
+                    Ok(keyframe) => poses.push((keyframe, *pose)),
+                    Err(fault) => errors.push(fault),
+                }
+            }
+            refuse(errors)?;
+            check_points(&room, index, session, &correction.map_points)?;
+            let correction = Correction { poses, map_points: correction.map_points };
+            Ok(Decision::Changed((), correct(index, session, &correction), None))
+        };
+        Ok(self.change(&live, decide).await?.1)
     }
 }
 
