@@ -5,6 +5,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::domain::invalid::FieldError;
+use crate::domain::request::PageRequest;
 use crate::store::StoreError;
 
 /// The result of a use case, or the error that it answers with instead.
@@ -98,8 +99,9 @@ impl ServiceError {
     }
 }
 
-/// Reads a cursor that this server gave.
-pub(super) fn parsed<T: FromStr>(cursor: Option<&str>) -> Result<Option<T>> {
+/// Reads the cursor of a page, which this server gave.
+pub(super) fn parsed<T: FromStr>(page: &PageRequest) -> Result<Option<T>> {
+    let cursor = page.cursor.as_deref();
     cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()
 }
 

@@ -155,6 +155,15 @@ pub struct NewJudgement {
     pub preview: bool,
 }
 
+/// The wanted part of a list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageRequest {
+    /// The cursor that the part before it ended with.
+    pub cursor: Option<String>,
+    /// The most items.
+    pub limit: usize,
+}
+
 /// The wanted anchors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AnchorFilter {

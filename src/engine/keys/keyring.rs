@@ -15,6 +15,7 @@ use super::access::{Access, HeldKey, KeyUse};
 use crate::domain::key::{Action, Key, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
+use crate::domain::request::PageRequest;
 use crate::engine::{Result, ServiceError};
 use crate::store::{KeyTable, Store, StoreError};
 
@@ -174,13 +175,13 @@ impl Keyring {
     }
 
     /// One part of the list, from a cursor on.
-    pub fn page(&self, cursor: Option<&str>, limit: usize) -> Result<Page<Key>> {
-        let from = match cursor {
+    pub fn page(&self, page: PageRequest) -> Result<Page<Key>> {
+        let from = match &page.cursor {
             Some(cursor) => KeySeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
             None => KeySeq(0),
         };
         let mut rest = self.list().into_iter().filter(|key| key.seq >= from);
-        let items = rest.by_ref().take(limit).collect();
+        let items = rest.by_ref().take(page.limit).collect();
         Ok(Page { items, next_cursor: rest.next().map(|key| key.seq.public()) })
     }
 

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::runtime::Handle;
-use tracing::Instrument as _;
 
 use super::live::LiveMap;
 use super::loads::Used;
@@ -15,7 +14,7 @@ use super::registry::{Cell, Registry};
 use super::standing::Standing;
 use crate::domain::ids::MapId;
 use crate::engine::error::{Result, ServiceError};
-use crate::engine::tasks::blocking_part;
+use crate::engine::tasks::{blocking_part, to_its_end};
 use crate::integrity::rebuild::rebuild;
 use crate::store::{FactsForCopies, Order, Store, Taken};
 
@@ -46,17 +45,14 @@ impl Registry {
             return Ok(live.clone());
         }
         let (registry, cell, store, id) = (self.clone(), cell.clone(), store.clone(), id.clone());
-        let loading = tokio::spawn(
-            async move {
-                let loaded = cell.get_or_try_init(|| registry.load(&store, &id)).await.cloned();
-                if loaded.is_err() {
-                    registry.forget(&id, &cell);
-                }
-                loaded
+        to_its_end(async move {
+            let loaded = cell.get_or_try_init(|| registry.load(&store, &id)).await.cloned();
+            if loaded.is_err() {
+                registry.forget(&id, &cell);
             }
-            .in_current_span(),
-        );
-        loading.await.map_err(ServiceError::panicked)?
+            loaded
+        })
+        .await?
     }
 
     /// Loads a map, off the async threads: its index is built there.

@@ -6,7 +6,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::Crop;
 use crate::domain::prior::{AnchorKey, NewPrior, id_form, is_servers_form};
 use crate::domain::report::{AnchorReport, Page};
-use crate::domain::request::AnchorFilter;
+use crate::domain::request::{AnchorFilter, PageRequest};
 use crate::engine::error::refuse;
 use crate::engine::limits::quota::check_prior;
 use crate::engine::maps::live::Decision;
@@ -25,11 +25,10 @@ impl Service {
         &self,
         map: &MapId,
         filter: AnchorFilter,
-        cursor: Option<&str>,
-        limit: usize,
+        page: PageRequest,
     ) -> Result<(u64, Page<AnchorReport>)> {
         let live = self.live(map).await?;
-        let from = match cursor {
+        let from = match &page.cursor {
             Some(cursor) => AnchorSeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
             None => AnchorSeq(0),
         };
@@ -40,16 +39,15 @@ impl Service {
                 index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_ref()));
             let mut alignments = Alignments::of(index);
             let report = |seq| views::anchor_with(index, seq, &mut alignments);
-            let items = wanted.by_ref().take(limit).filter_map(report).collect();
+            let items = wanted.by_ref().take(page.limit).filter_map(report).collect();
             Ok(Page { items, next_cursor: wanted.next().map(AnchorSeq::public) })
         })
         .await
     }
 
     /// Returns an anchor as it stands.
-    pub async fn get_anchor(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<(u64, AnchorReport)> {
+    pub async fn get_anchor(&self, map: &MapId, key: AnchorKey) -> Result<(u64, AnchorReport)> {
         let live = self.live(map).await?;
-        let key = anchor.into();
         self.read(&live, move |state| find(&state.index, resolve(&state.index, &key)?)).await
     }
 
@@ -58,12 +56,11 @@ impl Service {
     pub async fn describe_anchor(
         &self,
         map: &MapId,
-        anchor: impl Into<AnchorKey>,
+        key: AnchorKey,
         expected: Option<u64>,
         description: Option<String>,
     ) -> Result<(u64, AnchorReport)> {
         let live = self.live(map).await?;
-        let key = anchor.into();
         let (service, of_map) = (self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             let anchor = resolve(index, &key)?;
@@ -85,14 +82,8 @@ impl Service {
     }
 
     /// Deletes an anchor with all that was merged into it.
-    pub async fn delete_anchor(
-        &self,
-        map: &MapId,
-        anchor: impl Into<AnchorKey>,
-        expected: Option<u64>,
-    ) -> Result<u64> {
+    pub async fn delete_anchor(&self, map: &MapId, key: AnchorKey, expected: Option<u64>) -> Result<u64> {
         let live = self.live(map).await?;
-        let key = anchor.into();
         let decide = move |index: &mut MapIndex| {
             let anchor = resolve(index, &key)?;
             check_version(index, anchor, expected)?;
@@ -128,9 +119,8 @@ impl Service {
     }
 
     /// Returns the best image crop of an anchor.
-    pub async fn crop(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<Crop> {
+    pub async fn crop(&self, map: &MapId, key: AnchorKey) -> Result<Crop> {
         let live = self.live(map).await?;
-        let key = anchor.into();
         let asked = key.clone();
         let (_, best) = self
             .read(&live, move |state| Ok(views::best_crop(&state.index, object_of(&state.index, &asked)?)))

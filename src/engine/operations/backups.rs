@@ -7,6 +7,7 @@ use std::time::UNIX_EPOCH;
 
 use crate::domain::ids::BackupId;
 use crate::domain::report::{BackupReport, Page};
+use crate::domain::request::PageRequest;
 use crate::engine::backups::folder::{BackupFolder, BackupMade};
 use crate::engine::service::Parts;
 use crate::engine::tasks::{blocking, to_its_end};
@@ -57,16 +58,16 @@ impl Service {
     }
 
     /// Returns the backups, the newest first.
-    pub async fn list_backups(&self, cursor: Option<&str>, limit: usize) -> Result<Page<BackupReport>> {
+    pub async fn list_backups(&self, page: PageRequest) -> Result<Page<BackupReport>> {
         let Some(backups) = self.backups.clone() else {
             return Ok(Page { items: Vec::new(), next_cursor: None });
         };
         let mut items = blocking(move || backups.list()).await??;
-        if let Some(cursor) = cursor {
-            let at = items.iter().position(|report| report.id.as_str() == cursor);
+        if let Some(cursor) = &page.cursor {
+            let at = items.iter().position(|report| report.id.as_str() == *cursor);
             let at = at.ok_or_else(|| ServiceError::bad_cursor(cursor))?;
             items.drain(..=at);
         }
-        Ok(Page::of(items, limit, |report| report.id.to_string()))
+        Ok(Page::of(items, page.limit, |report| report.id.to_string()))
     }
 }

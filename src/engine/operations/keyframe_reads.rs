@@ -6,6 +6,7 @@ use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
+use crate::domain::request::PageRequest;
 use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::error::parsed;
 use crate::engine::maps::live::LiveMap;
@@ -19,40 +20,28 @@ use crate::recognition::map::redundancy::find_redundant;
 use crate::store::KeyframeRow;
 
 impl Service {
-    /// Returns the keyframes, in order of arrival.
+    /// Returns the keyframes in order of arrival, or those that others make redundant. Of these a page may be short, or empty, and
+    /// not the last: it looks at a bounded number of keyframes.
     pub async fn list_keyframes(
         &self,
         map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
+        are_redundant: bool,
+        page: PageRequest,
     ) -> Result<(u64, Page<KeyframeSummary>)> {
         let live = self.live(map).await?;
-        let from = KeyframeSeq(parsed(cursor)?.unwrap_or(0));
+        let from = KeyframeSeq(parsed(&page)?.unwrap_or(0));
         self.read(&live, move |state| {
             let index = &state.index;
-            let mut rest = index.keyframes_from(from);
-            let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
-            Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
-        })
-        .await
-    }
-
-    /// Returns some keyframes that others make redundant, in order of arrival. The page may be short, or empty, and not the last:
-    /// a page looks at a bounded number of keyframes.
-    pub async fn list_redundant(
-        &self,
-        map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<(u64, Page<KeyframeSummary>)> {
-        let live = self.live(map).await?;
-        let from = KeyframeSeq(parsed(cursor)?.unwrap_or(0));
-        self.read(&live, move |state| {
-            let index = &state.index;
-            let found = find_redundant(index, from, limit);
-            let keyframes = found.keyframes.into_iter().filter_map(|seq| index.keyframe(seq));
+            let (seqs, next) = if are_redundant {
+                let found = find_redundant(index, from, page.limit);
+                (found.keyframes, found.next)
+            } else {
+                let mut rest = index.keyframes_from(from).map(|keyframe| keyframe.seq);
+                (rest.by_ref().take(page.limit).collect(), rest.next())
+            };
+            let keyframes = seqs.into_iter().filter_map(|seq| index.keyframe(seq));
             let items = keyframes.map(|keyframe| summary(index, keyframe)).collect();
-            Ok(Page { items, next_cursor: found.next.map(|seq| seq.0.to_string()) })
+            Ok(Page { items, next_cursor: next.map(|seq| seq.0.to_string()) })
         })
         .await
     }

@@ -6,7 +6,7 @@ use crate::domain::ids::{KeyframeId, LoopId, MapId};
 use crate::domain::invalid::FieldError;
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, Page};
-use crate::domain::request::NewLoop;
+use crate::domain::request::{NewLoop, PageRequest};
 use crate::engine::error::parsed;
 use crate::engine::limits::quota::check_bytes;
 use crate::engine::maps::live::Decision;
@@ -54,19 +54,14 @@ impl Service {
     }
 
     /// Returns the loops by name.
-    pub async fn list_loops(
-        &self,
-        map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<(u64, Page<LoopReport>)> {
+    pub async fn list_loops(&self, map: &MapId, page: PageRequest) -> Result<(u64, Page<LoopReport>)> {
         let live = self.live(map).await?;
-        let after: Option<LoopId> = parsed(cursor)?;
+        let after: Option<LoopId> = parsed(&page)?;
         self.read(&live, move |state| {
             let is_after = |closed: &&Loop| after.as_ref().is_none_or(|after| closed.id > *after);
-            let rest = state.index.loops().values().filter(is_after).take(limit + 1);
+            let rest = state.index.loops().values().filter(is_after).take(page.limit + 1);
             let items = rest.map(|closed| report(&state.index, closed)).collect();
-            Ok(Page::of(items, limit, |report| report.id.to_string()))
+            Ok(Page::of(items, page.limit, |report| report.id.to_string()))
         })
         .await
     }

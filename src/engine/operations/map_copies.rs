@@ -11,25 +11,12 @@ use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
 use crate::domain::request::{Digest, MapPatch};
 use crate::engine::limits::shared_turns::Tenant;
-use crate::engine::tasks::to_its_end;
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::store::CopiedAs;
 
 impl Service {
-    /// Makes a map as a copy, or finds that this very request had made it. Returns when all of it is on disk, and goes to its end when its
-    /// client has gone.
+    /// Makes a map as a copy, or finds that this very request had made it. Returns when all of it is on disk.
     pub(super) async fn put_copy(
-        &self,
-        id: MapId,
-        base: MapBase,
-        patch: MapPatch,
-        owner: Option<KeySeq>,
-    ) -> Result<Stored<MapReport>> {
-        let service = self.clone();
-        to_its_end(async move { service.copy_whole(id, base, patch, owner).await }).await?
-    }
-
-    async fn copy_whole(
         &self,
         id: MapId,
         base: MapBase,

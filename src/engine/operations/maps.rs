@@ -10,7 +10,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::key::KeySeq;
 use crate::domain::map::MapProperties;
 use crate::domain::report::{MapReport, Page};
-use crate::domain::request::{Digest, MapPatch, NewMap};
+use crate::domain::request::{Digest, MapPatch, NewMap, PageRequest};
 use crate::domain::settings::Settings;
 use crate::engine::error::{parsed, refuse};
 use crate::engine::maps::live::Decision;
@@ -26,25 +26,24 @@ impl Service {
     /// Returns the maps by name, as far as they are visible to who asks.
     pub async fn list_maps(
         &self,
-        cursor: Option<&str>,
-        limit: usize,
+        page: PageRequest,
         visible: impl Fn(&MapId) -> bool,
     ) -> Result<Page<MapReport>> {
-        let mut after = parsed(cursor)?;
+        let mut after = parsed(&page)?;
         let mut ids: Vec<MapId> = Vec::new();
-        while ids.len() <= limit {
-            let found = self.store.map_ids(after.as_ref(), limit + 1).await?;
-            let last = found.len() <= limit;
+        while ids.len() <= page.limit {
+            let found = self.store.map_ids(after.as_ref(), page.limit + 1).await?;
+            let last = found.len() <= page.limit;
             after = found.last().cloned();
             ids.extend(found.into_iter().filter(&visible));
             if last {
                 break;
             }
         }
-        let page = Page::of(ids, limit, ToString::to_string);
+        let part = Page::of(ids, page.limit, ToString::to_string);
         // As committed. What was deleted since the names were read is left out.
-        let items = self.store.map_rows(&page.items).await?.into_iter().map(|row| row.report).collect();
-        Ok(Page { items, next_cursor: page.next_cursor })
+        let items = self.store.map_rows(&part.items).await?.into_iter().map(|row| row.report).collect();
+        Ok(Page { items, next_cursor: part.next_cursor })
     }
 
     /// Makes a map, by itself or as a copy, or finds that this very request had made it.
@@ -56,7 +55,8 @@ impl Service {
     ) -> Result<Stored<MapReport>> {
         let NewMap { patch, base } = new;
         if let Some(base) = base {
-            return self.put_copy(id, base, patch, owner).await;
+            let service = self.clone();
+            return to_its_end(async move { service.put_copy(id, base, patch, owner).await }).await?;
         }
         let defaults = MapProperties { metric: true, ..MapProperties::default() };
         self.put_map(id, patched(&defaults, patch)?, owner).await

@@ -9,7 +9,7 @@ use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::release::{NewRelease, Release, ReleaseChanges};
 use crate::domain::report::Page;
-use crate::domain::request::Digest;
+use crate::domain::request::{Digest, PageRequest};
 use crate::engine::cluster::following::Effort;
 use crate::engine::error::parsed;
 use crate::engine::keys::keyring::now;
@@ -120,16 +120,11 @@ impl Service {
     }
 
     /// Returns the releases of a map by name.
-    pub async fn list_releases(
-        &self,
-        map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<Page<Release>> {
-        let after = parsed(cursor)?;
+    pub async fn list_releases(&self, map: &MapId, page: PageRequest) -> Result<Page<Release>> {
+        let after = parsed(&page)?;
         let key = self.key_of(map).await?;
-        let items = self.store.releases(key, after.as_ref(), limit + 1).await?;
-        Ok(Page::of(items, limit, |release| release.name.to_string()))
+        let items = self.store.releases(key, after.as_ref(), page.limit + 1).await?;
+        Ok(Page::of(items, page.limit, |release| release.name.to_string()))
     }
 
     /// Returns a release of a map.
@@ -162,11 +157,7 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, u64, ReleaseChanges)> {
         let (earlier, before) = self.compared(&self.live_release(map, since).await?).await?;
-        let live = match until {
-            Some(name) => self.live_release(map, name).await?,
-            None => self.live(map).await?,
-        };
-        let (later, after) = self.compared(&live).await?;
+        let (later, after) = self.compared(&self.live_or_release(map, until).await?).await?;
         let compare = move || changes_between(&before, &after, limit);
         let changes = blocking(compare).await?;
         Ok((earlier, later, changes))
@@ -175,6 +166,18 @@ impl Service {
     /// Takes what is compared of a map, with its version.
     async fn compared(&self, live: &Arc<LiveMap>) -> Result<(u64, ComparedVersion)> {
         self.read(live, |state| Ok(ComparedVersion::of(&state.index))).await
+    }
+
+    /// Returns a map, or the one that holds a release of it, loaded if it was not in memory.
+    pub(super) async fn live_or_release(
+        &self,
+        map: &MapId,
+        release: Option<&ReleaseName>,
+    ) -> Result<Arc<LiveMap>> {
+        match release {
+            Some(name) => self.live_release(map, name).await,
+            None => self.live(map).await,
+        }
     }
 
     /// Returns the map that holds a release, loaded if it was not in memory.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::domain::ids::{MapId, SessionId, SessionSeq};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::{AlignmentReport, Page, SessionReport};
+use crate::domain::request::PageRequest;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
@@ -12,17 +13,11 @@ use crate::recognition::plans::plan_alignment::PlanAlignment;
 
 impl Service {
     /// Returns the sessions of a map, in order of appearance.
-    pub async fn list_sessions(
-        &self,
-        map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<(u64, Page<SessionReport>)> {
+    pub async fn list_sessions(&self, map: &MapId, page: PageRequest) -> Result<(u64, Page<SessionReport>)> {
         let live = self.live(map).await?;
-        let after = cursor.map(str::to_owned);
         self.read(&live, move |state| {
             let index = &state.index;
-            let from = match &after {
+            let from = match &page.cursor {
                 Some(cursor) => after_session(index, cursor)?,
                 None => 0,
             };
@@ -31,7 +26,7 @@ impl Service {
             let mut rest = (from..index.sessions().len()).map(|number| SessionSeq(number as u32));
             let items: Vec<SessionReport> = rest
                 .by_ref()
-                .take(limit)
+                .take(page.limit)
                 .map(|session| report(index, session, &held, &mut alignments))
                 .collect();
             let next_cursor = items.last().filter(|_| rest.next().is_some()).map(|last| last.id.to_string());

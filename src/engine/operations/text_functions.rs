@@ -75,13 +75,8 @@ impl Service {
     }
 
     /// Returns the dialogues that described an anchor, the newest first.
-    pub async fn transcripts(
-        &self,
-        map: &MapId,
-        anchor: impl Into<AnchorKey>,
-    ) -> Result<(u64, Vec<Transcript>)> {
+    pub async fn transcripts(&self, map: &MapId, key: AnchorKey) -> Result<(u64, Vec<Transcript>)> {
         let live = self.live(map).await?;
-        let key = anchor.into();
         let (version, readings) = self
             .read(&live, move |state| {
                 let index = &state.index;

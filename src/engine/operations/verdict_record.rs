@@ -9,7 +9,7 @@ use crate::domain::event::EventKind;
 use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use crate::domain::reason::ReasonCode;
 use crate::domain::report::Page;
-use crate::domain::request::{LoopQuery, Subject};
+use crate::domain::request::{LoopQuery, PageRequest, Subject};
 use crate::domain::verdict::{Decision, Verify};
 use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
 use crate::engine::error::parsed;
@@ -22,10 +22,7 @@ use crate::store::GivenAnswer;
 impl Service {
     /// Answers a loop query, and records the answer. Changes nothing else, and calls no model.
     pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer> {
-        let live = match &query.release {
-            Some(name) => self.live_release(map, name).await?,
-            None => self.live(map).await?,
-        };
+        let live = self.live_or_release(map, query.release.as_ref()).await?;
         let session = if live.is_release() { self.session_of(&live, &query.subject).await? } else { None };
         let answer = self.answer_and_record(&live, query).await?;
         if let Some(session) = session
@@ -102,18 +99,17 @@ impl Service {
         map: &MapId,
         release: Option<&ReleaseName>,
         filter: &VerdictFilter,
-        cursor: Option<&str>,
-        limit: usize,
+        page: PageRequest,
     ) -> Result<Page<ListedVerdict>> {
-        let before = parsed(cursor)?.unwrap_or(i64::MAX);
+        let before = parsed(&page)?.unwrap_or(i64::MAX);
         let key = match release {
             Some(name) => self.live_release(map, name).await?.key,
             None => self.key_of(map).await?,
         };
         // Those that this server gave are written behind.
         self.store.committer().settled().await;
-        let found = self.store.verdicts(key, filter, before, limit + 1).await?;
-        let Page { items, next_cursor } = Page::of(found, limit, |(kept, _)| kept.to_string());
+        let found = self.store.verdicts(key, filter, before, page.limit + 1).await?;
+        let Page { items, next_cursor } = Page::of(found, page.limit, |(kept, _)| kept.to_string());
         Ok(Page { items: items.into_iter().map(|(_, listed)| listed).collect(), next_cursor })
     }
 

@@ -93,11 +93,11 @@ async fn play(
         Recorded::LoopRevoked(id) => service.revoke_loop(map, &id).await.map(drop),
         Recorded::Description { detection, text } => {
             let anchor = anchor_of(service, map, &detection).await;
-            service.describe_anchor(map, anchor, None, text).await.map(drop)
+            service.describe_anchor(map, anchor.into(), None, text).await.map(drop)
         }
         Recorded::AnchorDeleted(detection) => {
             let anchor = anchor_of(service, map, &detection).await;
-            service.delete_anchor(map, anchor, None).await.map(drop)
+            service.delete_anchor(map, anchor.into(), None).await.map(drop)
         }
         Recorded::Prior(prior) => service.put_prior(map, prior).await.map(drop),
         Recorded::PriorDeleted(id) => service.delete_anchor(map, AnchorKey::Prior(id), None).await.map(drop),

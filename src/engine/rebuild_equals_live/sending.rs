@@ -165,13 +165,15 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
         }
         Request::DeletePrior(name) => {
             let key: AnchorKey = format!("door-{name}").parse().unwrap();
-            service.delete_anchor(map, key, None).await.map(drop)
+            service.delete_anchor(map, key.into(), None).await.map(drop)
         }
         Request::Describe(anchor, text) => {
             let text = text.map(|text| TEXTS[usize::from(text)].to_owned());
-            service.describe_anchor(map, AnchorSeq(anchor), None, text).await.map(drop)
+            service.describe_anchor(map, AnchorSeq(anchor).into(), None, text).await.map(drop)
         }
-        Request::DeleteAnchor(anchor) => service.delete_anchor(map, AnchorSeq(anchor), None).await.map(drop),
+        Request::DeleteAnchor(anchor) => {
+            service.delete_anchor(map, AnchorSeq(anchor).into(), None).await.map(drop)
+        }
         Request::ReadCrop { anchor, observation, text, described, degraded } => {
             let live = service.live(map).await?;
             let learn = move |index: &mut MapIndex| {

@@ -10,7 +10,7 @@ use crate::api::decoding::read::{self, Decode, Members, Node};
 use crate::api::names::{AnchorStateName, DetailName, ReasonCodeName, VerdictName};
 use crate::domain::ids::{ReleaseName, SessionId};
 use crate::domain::invalid::FieldError;
-use crate::domain::request::{AnchorFilter, Detail};
+use crate::domain::request::{AnchorFilter, Detail, PageRequest};
 use crate::domain::verdict_line::VerdictFilter;
 use crate::http::problem::{Kind, Problem};
 
@@ -59,6 +59,12 @@ pub struct Paging {
     /// Start of the page: `next_cursor` of the previous one.
     #[param(min_length = 1, max_length = 256)]
     pub cursor: Option<String>,
+}
+
+impl From<Paging> for PageRequest {
+    fn from(Paging { limit, cursor }: Paging) -> Self {
+        Self { cursor, limit }
+    }
 }
 
 /// A filter of keyframes.

@@ -33,8 +33,7 @@ pub async fn list_anchors(
     MapPath { map }: MapPath,
     Query((filter, page)): Query<(AnchorSearch, Paging)>,
 ) -> Result<Json<AnchorList>, Problem> {
-    let (version, anchors) =
-        service.list_anchors(&map, filter.into(), page.cursor.as_deref(), page.limit).await?;
+    let (version, anchors) = service.list_anchors(&map, filter.into(), page.into()).await?;
     Ok(Json(AnchorList::of(version, anchors)))
 }
 

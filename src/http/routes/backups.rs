@@ -70,5 +70,5 @@ pub async fn list_backups(
     State(service): State<Service>,
     Query(page): Query<Paging>,
 ) -> Result<Json<BackupList>, Problem> {
-    Ok(Json(service.list_backups(page.cursor.as_deref(), page.limit).await?.into()))
+    Ok(Json(service.list_backups(page.into()).await?.into()))
 }

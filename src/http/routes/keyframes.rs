@@ -79,12 +79,7 @@ pub async fn list_keyframes(
     MapPath { map }: MapPath,
     Query((search, page)): Query<(KeyframeSearch, Paging)>,
 ) -> Result<Json<KeyframeList>, Problem> {
-    let cursor = page.cursor.as_deref();
-    let (version, keyframes) = if search.redundant {
-        service.list_redundant(&map, cursor, page.limit).await?
-    } else {
-        service.list_keyframes(&map, cursor, page.limit).await?
-    };
+    let (version, keyframes) = service.list_keyframes(&map, search.redundant, page.into()).await?;
     Ok(Json(KeyframeList::of(version, keyframes)))
 }
 

@@ -29,7 +29,7 @@ pub async fn list_keys(
     State(service): State<Service>,
     Query(page): Query<Paging>,
 ) -> Result<Json<KeyList>, Problem> {
-    let keys = service.keys().page(page.cursor.as_deref(), page.limit)?;
+    let keys = service.keys().page(page.into())?;
     let uses = service.keys().uses();
     let view = |key: Key| {
         let last_used = uses

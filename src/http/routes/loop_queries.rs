@@ -70,9 +70,7 @@ pub async fn list_loop_queries(
     Query((asked, page)): Query<(VerdictSearch, Paging)>,
 ) -> Result<Json<VerdictList>, Problem> {
     let release = asked.release.clone();
-    let found = service
-        .list_verdicts(&map, release.as_ref(), &asked.into(), page.cursor.as_deref(), page.limit)
-        .await?;
+    let found = service.list_verdicts(&map, release.as_ref(), &asked.into(), page.into()).await?;
     Ok(Json(found.into()))
 }
 

@@ -59,7 +59,7 @@ pub async fn list_loops(
     MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<LoopList>, Problem> {
-    let (version, loops) = service.list_loops(&map, page.cursor.as_deref(), page.limit).await?;
+    let (version, loops) = service.list_loops(&map, page.into()).await?;
     Ok(Json(LoopList::of(version, loops)))
 }
 

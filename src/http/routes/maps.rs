@@ -32,7 +32,7 @@ pub async fn list_maps(
     caller: Caller,
     Query(page): Query<Paging>,
 ) -> Result<Json<MapList>, Problem> {
-    let maps = service.list_maps(page.cursor.as_deref(), page.limit, |map| caller.reaches(map)).await?;
+    let maps = service.list_maps(page.into(), |map| caller.reaches(map)).await?;
     Ok(Json(MapList::of(maps, caller.patterns())))
 }
 

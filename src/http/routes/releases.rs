@@ -30,7 +30,7 @@ pub async fn list_releases(
     MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<ReleaseList>, Problem> {
-    Ok(Json(service.list_releases(&map, page.cursor.as_deref(), page.limit).await?.into()))
+    Ok(Json(service.list_releases(&map, page.into()).await?.into()))
 }
 
 /// Publish a release of a map

@@ -29,7 +29,7 @@ pub async fn list_sessions(
     MapPath { map }: MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<SessionList>, Problem> {
-    let (version, sessions) = service.list_sessions(&map, page.cursor.as_deref(), page.limit).await?;
+    let (version, sessions) = service.list_sessions(&map, page.into()).await?;
     Ok(Json(SessionList::of(version, sessions)))
 }
 
