@@ -17,12 +17,10 @@
 //! index, and at the store for what is only there.
 
 mod backups;
-mod bow;
 mod cluster;
 mod descriptions;
 mod erasures;
 mod error;
-mod global_descriptors;
 pub mod keys;
 pub mod limits;
 mod lock;
@@ -38,6 +36,7 @@ mod service;
 mod stored;
 mod tasks;
 mod verdict_counts;
+mod vocabulary;
 
 pub use backups::folder::BackupMade;
 pub use cluster::routing::Route;

@@ -12,7 +12,7 @@ use super::error::{Result, ServiceError};
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
-use super::limits::room::KeyBytes;
+use super::limits::quota::KeyBytes;
 use super::limits::shared_turns::SharedTurns;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;

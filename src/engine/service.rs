@@ -16,7 +16,7 @@ use super::error::{Result, ServiceError};
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::limits::load_shedding::LoadShedding;
-use super::limits::room::KeyBytes;
+use super::limits::quota::KeyBytes;
 use super::limits::shared_turns::SharedTurns;
 use super::limits::trigger_queue::TriggerQueue;
 use super::maps::features::FeatureCache;

@@ -7,15 +7,13 @@
 //! |---|---|
 //! | the server that should have a map | [`placement`] |
 //! | what this server knows of the others | [`membership`] |
-//! | its row among them, its leases | [`joining`] |
+//! | its row among them, its leases; maps that another server should have go there | [`joining`] |
 //! | where a request is answered | [`routing`] |
-//! | maps that another server should have go there | [`hand_over`] |
 //! | copies of maps that others own | [`followers`], [`following`] |
 //! | maps of a server that does not answer | [`loading_ahead`] |
 
 pub mod followers;
 pub mod following;
-mod hand_over;
 mod joining;
 mod loading_ahead;
 pub mod membership;

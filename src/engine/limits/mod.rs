@@ -4,6 +4,6 @@ pub(super) mod bounds;
 pub(super) mod concurrency_limit;
 pub mod load_shedding;
 pub(super) mod quota;
-pub(super) mod room;
+mod room;
 pub mod shared_turns;
 pub(super) mod trigger_queue;

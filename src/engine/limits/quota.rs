@@ -1,14 +1,26 @@
 //! Quota: does what a request brings fit into its map, and into what the key that made the map may hold?
 
+use std::time::Duration;
+
+use moka::sync::Cache;
+
 use crate::config::quotas::Quotas;
 use crate::domain::change::{KeyframeUpdate, ObservationUpdate};
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::key::KeySeq;
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::prior::NewPrior;
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::engine::{Result, ServiceError};
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
+use crate::store::Store;
+
+/// Keys whose bytes are remembered.
+const REMEMBERED: u64 = 10_000;
+
+/// The time for which the bytes of a key's maps are remembered: it may hold more than its limit by what it writes meanwhile.
+const LASTS: Duration = Duration::from_secs(1);
 
 /// The limits within which a map may grow.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +51,28 @@ impl KeyRoom {
              operator",
             self.holds, self.most
         )))
+    }
+}
+
+/// The bytes of the maps that each key made, as they were on disk a moment ago.
+#[derive(Clone, Debug)]
+pub(in crate::engine) struct KeyBytes(Cache<KeySeq, u64>);
+
+impl Default for KeyBytes {
+    fn default() -> Self {
+        Self(Cache::builder().max_capacity(REMEMBERED).time_to_live(LASTS).build())
+    }
+}
+
+impl KeyBytes {
+    /// Returns the bytes of the maps that a key made, with their releases.
+    pub async fn of(&self, store: &Store, key: KeySeq) -> Result<u64> {
+        if let Some(known) = self.0.get(&key) {
+            return Ok(known);
+        }
+        let bytes = store.made_by(key).await?.bytes;
+        self.0.insert(key, bytes);
+        Ok(bytes)
     }
 }
 

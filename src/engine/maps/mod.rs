@@ -15,4 +15,5 @@ mod promotion;
 pub(super) mod registry;
 mod release_uses;
 mod standing;
+mod use_counting;
 pub(super) mod write_path;

@@ -1,15 +1,14 @@
-//! Uses of a release: which robots asked it, and how often. Counted in memory and written behind, one job at a time.
+//! Uses of a release that are not on disk yet: which robots asked it, and how often.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
-use super::live::LiveMap;
 use crate::domain::ids::SessionId;
 use crate::domain::keyframe::Stamp;
 use crate::domain::release::ReleaseUse;
 use crate::engine::lock::lock;
-use crate::store::{Job, RELEASE_USES_MAX, Store};
+use crate::store::RELEASE_USES_MAX;
 
 /// Uses that are not on disk yet.
 #[derive(Debug, Default)]
@@ -48,28 +47,5 @@ impl ReleaseUses {
     /// Notes that the uses taken are on disk, or will never be.
     pub fn written(&self) {
         lock(&self.0).is_writing = false;
-    }
-}
-
-impl LiveMap {
-    /// Counts a query that this release answered to a robot.
-    pub fn count_use(self: &Arc<Self>, store: &Store, session: SessionId, at: Stamp) {
-        self.uses.add(session, at);
-        self.write_uses(store.clone());
-    }
-
-    fn write_uses(self: &Arc<Self>, store: Store) {
-        if store.committer().refuses(false).is_some() || self.is_over() {
-            return;
-        }
-        let Some(uses) = self.uses.take() else { return };
-        let job = Job::CountUses { release: self.key, uses };
-        let (live, after) = (self.clone(), store.clone());
-        let done = move |_| {
-            live.uses.written();
-            live.write_uses(after);
-        };
-        // Nobody waits for it: it shares the sync of what comes next. After an erasure it would name what was erased.
-        store.committer().submit_held(job, self.line(), done);
     }
 }

@@ -1,8 +1,10 @@
-//! Words out of features: computed for keyframes without words, and the rule that a map's words belong to one vocabulary.
+//! What the keyframes of a map share: words of one vocabulary, which are computed out of features for those without, and
+//! global descriptors that can all be compared.
 
+use super::tasks::blocking;
 use super::{Result, Service, ServiceError};
+use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::domain::keyframe::NewKeyframe;
-use crate::engine::tasks::blocking;
 use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::map::index::MapIndex;
 
@@ -32,4 +34,24 @@ pub(super) fn check_vocabulary(index: &MapIndex, keyframe: &NewKeyframe) -> Resu
          two things. Use one vocabulary for a map, and name it in bow.vocabulary where the client computes the words"
     );
     Err(ServiceError::Conflict { code: "other_vocabulary", detail })
+}
+
+/// Refuses a global descriptor that cannot be compared with those of the map.
+pub(super) fn check_global_descriptor(index: &MapIndex, descriptor: Option<&GlobalDescriptor>) -> Result<()> {
+    let (Some(theirs), Some(ours)) = (descriptor, index.globals().form()) else { return Ok(()) };
+    if theirs.is_of(ours) {
+        return Ok(());
+    }
+    let detail = format!(
+        "the global descriptors of this map are {}, that of the keyframe (/global_descriptor) is {}; they cannot be \
+         compared. Use one model for a map, in one encoding and size",
+        named(ours),
+        named(&theirs.form())
+    );
+    Err(ServiceError::Conflict { code: "other_global_descriptor", detail })
+}
+
+fn named(form: &GlobalForm) -> String {
+    let GlobalForm { model, encoding, bytes } = form;
+    format!("of model {model}, {}, {bytes} bytes", encoding.as_str())
 }
