@@ -292,8 +292,8 @@ impl Service {
         let end = self.read(live, |state: &State| Ok(state.index.next_keyframe())).await?.1;
         loop {
             let wanted = asked.clone();
-            let found = self.read(live, move |state: &State| Ok(Found::of(&state.index, &wanted, end)));
-            let Found { keyframes, loops } = found.await?.1;
+            let look = move |state: &State| Ok(found(&state.index, &wanted, end));
+            let (keyframes, loops) = self.read(live, look).await?.1;
             if keyframes.is_empty() && loops.is_empty() {
                 break;
             }
@@ -360,25 +360,21 @@ fn keyframes_of<'a>(
     }
 }
 
-/// Keyframes and loops that are to be deleted from a map.
-struct Found {
-    keyframes: Vec<(KeyframeSeq, KeyframeId)>,
-    loops: Vec<LoopId>,
-}
-
-impl Found {
-    /// Looks among the keyframes before one.
-    fn of(index: &MapIndex, asked: &NewErasure, end: KeyframeSeq) -> Self {
-        let before = keyframes_of(index, asked).filter(|keyframe| keyframe.seq < end);
-        let keyframes: Vec<(KeyframeSeq, KeyframeId)> =
-            before.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect();
-        let named: BTreeSet<&KeyframeId> = match asked {
-            // A loop keeps the names of keyframes that were deleted before.
-            NewErasure::Keyframes(ids) => ids.iter().collect(),
-            NewErasure::Sessions(_) => keyframes.iter().map(|(_, id)| id).collect(),
-        };
-        let names = |of: &Loop| named.contains(&of.keyframe_id) || named.contains(&of.candidate_id);
-        let loops = index.loops().values().filter(|of| names(of)).map(|of| of.id.clone()).collect();
-        Self { keyframes, loops }
-    }
+/// Returns the keyframes before one, and the loops, that are to be deleted from a map.
+fn found(
+    index: &MapIndex,
+    asked: &NewErasure,
+    end: KeyframeSeq,
+) -> (Vec<(KeyframeSeq, KeyframeId)>, Vec<LoopId>) {
+    let before = keyframes_of(index, asked).filter(|keyframe| keyframe.seq < end);
+    let keyframes: Vec<(KeyframeSeq, KeyframeId)> =
+        before.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect();
+    let named: BTreeSet<&KeyframeId> = match asked {
+        // A loop keeps the names of keyframes that were deleted before.
+        NewErasure::Keyframes(ids) => ids.iter().collect(),
+        NewErasure::Sessions(_) => keyframes.iter().map(|(_, id)| id).collect(),
+    };
+    let names = |of: &Loop| named.contains(&of.keyframe_id) || named.contains(&of.candidate_id);
+    let loops = index.loops().values().filter(|of| names(of)).map(|of| of.id.clone()).collect();
+    (keyframes, loops)
 }

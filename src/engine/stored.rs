@@ -5,8 +5,6 @@
 pub struct Stored<T> {
     /// False if the identical request was answered before.
     pub created: bool,
-    /// The map's version.
-    pub map_version: u64,
     /// The result.
     pub value: T,
 }

@@ -32,7 +32,7 @@ pub(in crate::engine) struct Membership {
     /// The servers as of the last renewal, this one among them.
     list: RwLock<Arc<List>>,
     /// The owners of maps that other servers have, as the database said a moment ago.
-    owners: Cache<MapId, String>,
+    pub(super) owners: Cache<MapId, String>,
     /// Maps that were loaded ahead a moment ago, or were to be.
     ahead: Cache<MapId, ()>,
     /// Held by the one who reads the list anew.
@@ -68,16 +68,6 @@ impl Membership {
     /// Returns the owner of a map that another server had a moment ago.
     pub(super) fn owner_before(&self, map: &MapId) -> Option<Node> {
         self.node(&self.owners.get(map)?)
-    }
-
-    /// Notes that another server has a map.
-    pub(super) fn note_owner(&self, map: &MapId, owner: &str) {
-        self.owners.insert(map.clone(), owner.to_owned());
-    }
-
-    /// Forgets who has a map: that server did not answer.
-    pub(super) fn forget_owner(&self, map: &MapId) {
-        self.owners.invalidate(map);
     }
 
     fn list(&self) -> Arc<List> {

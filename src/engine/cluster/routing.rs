@@ -48,7 +48,7 @@ impl Service {
         }
         match self.store.owner(map).await? {
             Some(Owner::Other(id, node)) => {
-                membership.note_owner(map, &id);
+                membership.owners.insert(map.clone(), id.clone());
                 // One that came since the last renewal, or came back.
                 membership.node(&id).or(node).map(Route::At).ok_or_else(|| {
                     let detail = "the server that has this map is not heard of; another one takes it soon";
@@ -75,7 +75,7 @@ impl Service {
     /// Notes that the server that has a map did not answer, or has it no more.
     pub fn ask_for_owner_again(&self, map: &MapId) {
         if let Some(membership) = self.membership.get() {
-            membership.forget_owner(map);
+            membership.owners.invalidate(map);
         }
     }
 

@@ -43,7 +43,7 @@ impl Backlog {
     /// Returns a board on which nothing is noted yet.
     pub fn of(live: &LiveMap) -> Self {
         Self {
-            map: PinnedMap::of(live),
+            map: PinnedMap { id: live.id.clone(), key: live.key },
             found: VecDeque::new(),
             under_way: HashSet::new(),
             paused: HashMap::new(),

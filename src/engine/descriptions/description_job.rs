@@ -14,7 +14,7 @@ use crate::llm::dialogue::{Described, Describer};
 use crate::llm::judge::{Judged, Merged};
 use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
-use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
+use crate::recognition::anchors::apply_model_answer::{Learned, learn_away, learn_reading, learn_verdict};
 use crate::recognition::anchors::description_tasks::DescriptionTask;
 use crate::recognition::anchors::rejudging::asked_today;
 use crate::recognition::map::index::MapIndex;
@@ -169,6 +169,24 @@ impl Service {
         let mut learned = learn_reading(index, read)?;
         self.add_twins(live, index, (keyframe, None), &mut learned.decided);
         Some(learned)
+    }
+
+    /// Has a map that was just taken wait for no model, if this server has none. A server that alone has the database tells all maps
+    /// when it starts.
+    pub(in crate::engine) async fn wait_for_no_model(&self, live: &Arc<LiveMap>) {
+        let is_told = self.models.is_some() || !self.store.is_shared() || self.follows || live.is_release();
+        if is_told || live.glance(|state| state.index.model_away()).is_none_or(|(_, waits)| !waits) {
+            return;
+        }
+        if let Err(error) = self.tell_away(live, false).await {
+            tracing::warn!(map = %live.id, %error, "a map still waits for a model that this server has not");
+        }
+    }
+
+    /// Has a map record whether it waits for a model that is away.
+    pub(super) async fn tell_away(&self, live: &Arc<LiveMap>, away: bool) -> Result<()> {
+        let decide = move |index: &mut MapIndex| Ok(Decision::of((), learn_away(index, away)));
+        self.change(live, decide).await.map(drop)
     }
 }
 

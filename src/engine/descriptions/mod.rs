@@ -1,10 +1,8 @@
 //! Descriptions: background work of foundation models (§IV-A.1).
 
-pub(super) mod background;
 pub(super) mod backlog;
 pub(super) mod description_job;
 pub(super) mod judgement_runner;
-mod no_models;
 pub(super) mod round;
 pub(super) mod running_jobs;
 pub(super) mod unexamined;

@@ -15,7 +15,7 @@ use crate::store::Elsewhere;
 const PARTS: u32 = 16;
 
 /// How a key was used since a server started.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeyUse {
     /// Requests.
     pub requests: u64,
@@ -40,26 +40,17 @@ pub struct HeldKey {
 }
 
 impl HeldKey {
-    pub(in crate::engine) fn new(key: Key) -> Self {
+    /// Holds a key, with its uses so far.
+    pub(in crate::engine) fn new(key: Key, uses: KeyUse) -> Self {
         let parts = key.properties.rate_per_s.map(|rate| rate.saturating_mul(PARTS));
         Self {
             rate: parts.and_then(NonZeroU32::new).map(|parts| RateLimiter::direct(Quota::per_second(parts))),
             key,
             admitted: AtomicU32::new(0),
-            requests: AtomicU64::new(0),
-            used_s: AtomicI64::new(0),
+            requests: AtomicU64::new(uses.requests),
+            used_s: AtomicI64::new(uses.last_s),
             counts_for: AtomicU32::new(PARTS),
         }
-    }
-
-    /// Holds a key that was changed, with its uses so far.
-    pub(in crate::engine) fn after(known: Option<&Self>, key: Key) -> Self {
-        let held = Self::new(key);
-        if let Some(uses) = known.map(Self::uses) {
-            held.requests.store(uses.requests, Ordering::Relaxed);
-            held.used_s.store(uses.last_s, Ordering::Relaxed);
-        }
-        held
     }
 
     /// Returns how the key was used since this server started.

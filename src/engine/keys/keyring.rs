@@ -249,7 +249,8 @@ impl Keyring {
             let hold = |(hash, key): (SecretHash, Key)| {
                 let known = table.by_hash.get(&hash);
                 let held = known.filter(|held| held.key == key).cloned();
-                (hash, held.unwrap_or_else(|| Arc::new(HeldKey::after(known.map(Arc::as_ref), key))))
+                let uses = known.map(|known| known.uses()).unwrap_or_default();
+                (hash, held.unwrap_or_else(|| Arc::new(HeldKey::new(key, uses))))
             };
             let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
             let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();

@@ -39,11 +39,6 @@ impl LiveMap {
         Ok(changed?)
     }
 
-    /// Nobody reads or writes the map from here on; its rows are deleted with those of another one.
-    pub(super) fn end(&self) {
-        self.gone.store(true, Ordering::Release);
-    }
-
     /// Nobody reads or writes the map from here on; queues its deletion.
     pub fn delete(self: &Arc<Self>, store: &Store) -> Result<oneshot::Receiver<Result<(), StoreError>>> {
         let mut state = self.state.write().map_err(|_| self.broke())?;

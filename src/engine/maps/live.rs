@@ -205,11 +205,6 @@ impl LiveMap {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
     }
 
-    /// The line of its jobs.
-    pub(super) fn line(&self) -> &PoisonFlag {
-        &self.line
-    }
-
     pub(super) fn broke(&self) -> ServiceError {
         self.line.store(true, Ordering::Release);
         StoreError::Superseded.into()

@@ -10,24 +10,9 @@ use crate::store::MapKey;
 /// A map, and no other that is given its name after it is deleted.
 #[derive(Clone, Debug)]
 pub struct PinnedMap {
-    id: MapId,
-    key: MapKey,
-}
-
-impl PinnedMap {
-    /// Pins a map in memory.
-    pub(in crate::engine) fn of(live: &LiveMap) -> Self {
-        Self { id: live.id.clone(), key: live.key }
-    }
-
     /// Its name.
-    pub fn id(&self) -> &MapId {
-        &self.id
-    }
-
-    pub(in crate::engine) fn key(&self) -> MapKey {
-        self.key
-    }
+    pub id: MapId,
+    pub(in crate::engine) key: MapKey,
 }
 
 impl Service {

@@ -6,6 +6,7 @@
 //! holds the cell or its map ([`super::eviction`]); and what was loaded into a cell that has left is thrown away.
 
 use std::collections::HashMap;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 use tokio::sync::OnceCell;
@@ -112,7 +113,7 @@ impl Registry {
             !is_release(id)
         });
         for live in &ended {
-            live.end();
+            live.gone.store(true, Ordering::Release);
         }
         ended
     }

@@ -26,6 +26,6 @@ impl LiveMap {
             live.write_uses(after);
         };
         // Nobody waits for it: it shares the sync of what comes next. After an erasure it would name what was erased.
-        store.committer().submit_held(job, self.line(), done);
+        store.committer().submit_held(job, &self.line, done);
     }
 }

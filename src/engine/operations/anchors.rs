@@ -38,7 +38,7 @@ impl Service {
             let mut wanted =
                 index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_ref()));
             let mut alignments = Alignments::of(index);
-            let report = |seq| views::anchor_with(index, seq, &mut alignments);
+            let report = |seq| views::anchor(index, seq, &mut alignments);
             let items = wanted.by_ref().take(page.limit).filter_map(report).collect();
             Ok(Page { items, next_cursor: wanted.next().map(AnchorSeq::public) })
         })
@@ -93,7 +93,7 @@ impl Service {
     }
 
     /// Puts a prior anchor, or finds that this very request had done so.
-    pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<Stored<AnchorReport>> {
+    pub async fn put_prior(&self, map: &MapId, new: NewPrior) -> Result<(u64, Stored<AnchorReport>)> {
         check_prior_id(&new)?;
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
@@ -114,8 +114,8 @@ impl Service {
             let (seq, decided) = add_prior(index, &new);
             Ok(Decision::Changed((true, find(index, seq)?), decided, None))
         };
-        let ((created, value), map_version) = self.change(&live, decide).await?;
-        Ok(Stored { created, map_version, value })
+        let ((created, value), version) = self.change(&live, decide).await?;
+        Ok((version, Stored { created, value }))
     }
 
     /// Returns the best image crop of an anchor.
@@ -153,7 +153,8 @@ fn described_by_plan(id: &PriorId) -> ServiceError {
 }
 
 fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport> {
-    views::anchor(index, anchor).ok_or_else(|| ServiceError::no_anchor(anchor.public()))
+    let report = views::anchor(index, anchor, &mut Alignments::of(index));
+    report.ok_or_else(|| ServiceError::no_anchor(anchor.public()))
 }
 
 fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<&Text>) -> bool {

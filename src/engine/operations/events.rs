@@ -15,7 +15,7 @@ impl Service {
         let found = self.store.events(key, since, limit).await;
         // A stream has begun to answer and can only end: the log says why.
         if let Err(error @ StoreError::Damaged { .. }) = &found {
-            tracing::error!(map = %map.id(), %error, "events cannot be read");
+            tracing::error!(map = %map.id, %error, "events cannot be read");
         }
         Ok(found?)
     }
@@ -29,11 +29,10 @@ impl Service {
     pub async fn resume_events(&self, map: &MapId, since: u64) -> Result<(PinnedMap, Listener)> {
         let pinned = self.pin_map(map).await?;
         // Where nothing is known of its events, the first that is hears of all of them.
-        let listener = Listener::to(self.registry.feeds.of(pinned.key(), 0));
+        let listener = Listener::to(self.registry.feeds.of(pinned.key, 0));
         // 0 is before the first, whichever that is.
         if since > 0 {
-            let kept =
-                self.store.kept_events(pinned.key()).await?.ok_or_else(|| ServiceError::no_map(map))?;
+            let kept = self.store.kept_events(pinned.key).await?.ok_or_else(|| ServiceError::no_map(map))?;
             if since >= kept.end || since.saturating_add(1) < kept.start {
                 return Err(ServiceError::Gone(format!(
                     "map {map} has no event {since}: it was deleted and made again, or the event is too old to be \

@@ -1,17 +1,36 @@
-//! Jobs that ask a changed model again: counted beforehand, started, read, stopped.
+//! Verdicts of models: those that a client brings, applied as if a model had answered here, and jobs that ask a changed model
+//! again: counted beforehand, started, read, stopped.
 
+use super::named::no_keyframe_of_map;
 use crate::domain::ids::{JudgementId, MapId};
+use crate::domain::judged::CropRead;
 use crate::domain::judgement::{Asks, JobState, Judgement, Tally};
 use crate::domain::report::JudgementReport;
-use crate::domain::request::NewJudgement;
+use crate::domain::request::{NewJudgement, NewVerdict};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Result, Service, ServiceError, Stored};
+use crate::recognition::anchors::apply_model_answer::learn_verdict;
+use crate::recognition::map::index::MapIndex;
 use crate::store::{Fingerprints, Job};
 
 /// A job shows at most this number of the verdicts that it replaced.
 const REPLACED_SHOWN: usize = 100;
 
 impl Service {
+    /// Applies what a model said elsewhere. Returns the map's version, and whether it changed anything.
+    pub async fn bring_verdict(&self, map: &MapId, new: NewVerdict) -> Result<(u64, bool)> {
+        let live = self.live(map).await?;
+        let (service, of_map) = (self.clone(), live.clone());
+        let learn = move |index: &mut MapIndex| match new {
+            NewVerdict::OfTexts(verdict) => Ok(learn_verdict(index, verdict)),
+            crop @ NewVerdict::OfCrop(..) => {
+                let read = crop_read(index, crop)?;
+                Ok(read.and_then(|read| service.learn_crop(&of_map, index, read)))
+            }
+        };
+        self.learn(&live, learn).await
+    }
+
     /// Starts a job that asks again about all that other models or prompts answered, or counts what it would ask.
     /// One job of a map runs at a time. The id of a job that is there already is answered with that job.
     pub async fn judge_again(&self, map: &MapId, new: NewJudgement) -> Result<Stored<JudgementReport>> {
@@ -25,7 +44,7 @@ impl Service {
                 let detail = format!("judgement {id} was started with another body");
                 return Err(ServiceError::Conflict { code: "conflict", detail });
             }
-            return self.stored(&live, false, known).await;
+            return Ok(Stored { created: false, value: self.report(&live, known).await? });
         }
         let workload = self.store.workload(live.key, &self.fingerprints(new.asks)).await?;
         let estimate =
@@ -35,7 +54,7 @@ impl Service {
         if new.preview {
             let asks = new.asks;
             let value = JudgementReport { map_version, asks, questions, estimate, ..Default::default() };
-            return Ok(Stored { created: false, map_version, value });
+            return Ok(Stored { created: false, value });
         }
         let (number, running) = self.store.next_judgement(live.key).await?;
         if let Some(running) = running {
@@ -61,7 +80,7 @@ impl Service {
         self.disk_takes(false).await?;
         self.store.committer().commit(Job::StartJudgement(live.key, Box::new(job.clone()))).await?;
         self.rejudging.wake();
-        self.stored(&live, true, job).await
+        Ok(Stored { created: true, value: self.report(&live, job).await? })
     }
 
     /// Returns a job as it stands.
@@ -90,8 +109,8 @@ impl Service {
     /// Whether no model can be asked about a map now.
     pub(in crate::engine) fn must_wait(&self, live: &LiveMap) -> bool {
         let Some(models) = &self.models else { return true };
-        let spent = self.payer(live.owner).is_some_and(|payer| models.budget().is_spent_for(&payer));
-        models.is_away() || spent
+        let is_spent = |payer| models.budget().is_spent_for(&payer);
+        models.is_away() || self.payer(live.owner).is_some_and(is_spent)
     }
 
     async fn find_judgement(&self, live: &LiveMap, id: &JudgementId) -> Result<Judgement> {
@@ -112,11 +131,6 @@ impl Service {
         }
     }
 
-    async fn stored(&self, live: &LiveMap, created: bool, job: Judgement) -> Result<Stored<JudgementReport>> {
-        let value = self.report(live, job).await?;
-        Ok(Stored { created, map_version: value.map_version, value })
-    }
-
     async fn report(&self, live: &LiveMap, job: Judgement) -> Result<JudgementReport> {
         let replaced = self.store.replaced(live.key, job.since_version, REPLACED_SHOWN).await?;
         Ok(JudgementReport {
@@ -131,4 +145,26 @@ impl Service {
             replaced,
         })
     }
+}
+
+/// Returns the reading of a crop with the anchor that its detection feeds; `None` if it feeds none.
+fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>> {
+    let NewVerdict::OfCrop(named, reading) = new else { return Ok(None) };
+    let Some(keyframe) = index.keyframe_seq(&named.keyframe) else {
+        return Err(no_keyframe_of_map("/keyframe", &named.keyframe).into());
+    };
+    let at = (keyframe, named.number);
+    let feeds = |anchor: &crate::domain::ids::AnchorSeq| {
+        index.anchor(*anchor).is_some_and(|anchor| anchor.observations.contains_key(&at))
+    };
+    let anchor = index.anchors_seen_by(keyframe).find(feeds);
+    Ok(anchor.map(|anchor| CropRead {
+        anchor,
+        keyframe,
+        detection: named.number,
+        reading,
+        transcript: Vec::new(),
+        // No model of this server said it: a job that asks again asks for it, too.
+        fingerprint: "".into(),
+    }))
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::keyframe_reads::report;
 use super::named::find;
+use super::verdict_record::about;
 use crate::domain::anchor::Outcome;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::invalid::FieldError;
@@ -59,7 +60,7 @@ impl PendingKeyframe {
             let seq = match begun.committed().await? {
                 (Put::Created(mut value), map_version) => {
                     value.map_version = map_version;
-                    return Ok(Stored { created: true, map_version, value });
+                    return Ok(Stored { created: true, value });
                 }
                 (Put::Exists(seq), _) => seq,
             };
@@ -100,7 +101,7 @@ impl Service {
         let answer = if stored.created {
             self.query_and_announce(map, id).await?
         } else {
-            self.query_stored(map, id).await?
+            self.loop_query(map, about(id)).await?
         };
         Ok((stored, answer))
     }
@@ -184,7 +185,7 @@ impl Service {
         let (map_version, mut value) =
             self.read(live, move |state| Ok(report(&state.index, &name, seq, &outcomes))).await?;
         value.map_version = map_version;
-        Ok(Some(Stored { created: false, map_version, value }))
+        Ok(Some(Stored { created: false, value }))
     }
 
     /// Finds the declared covisible keyframes that the map does not have. For bodies with other faults, which never come

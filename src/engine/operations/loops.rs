@@ -27,7 +27,7 @@ impl Service {
         map: &MapId,
         new: NewLoop,
         candidate_from_query: Option<Sim3>,
-    ) -> Result<Stored<ConfirmedLoop>> {
+    ) -> Result<(u64, Stored<ConfirmedLoop>)> {
         let live = self.live(map).await?;
         let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
@@ -46,11 +46,11 @@ impl Service {
             let (warning, decided) = close_loop(index, closed.clone());
             Ok(Decision::Changed((true, confirmed(index, &closed, warning)), decided, None))
         };
-        let ((created, value), map_version) = self.change(&live, decide).await?;
+        let ((created, value), version) = self.change(&live, decide).await?;
         if created {
             self.frame_behind(&live);
         }
-        Ok(Stored { created, map_version, value })
+        Ok((version, Stored { created, value }))
     }
 
     /// Returns the loops by name.

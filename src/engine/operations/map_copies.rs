@@ -25,7 +25,7 @@ impl Service {
     ) -> Result<Stored<MapReport>> {
         let digest = fingerprint(&base, &patch);
         if let Some(value) = self.made_before(&id, &digest).await? {
-            return Ok(Stored { created: false, map_version: value.version, value });
+            return Ok(Stored { created: false, value });
         }
         let from = base.id();
         let no_base = || match &base.release {
@@ -52,13 +52,13 @@ impl Service {
         // The same name was free before; another request may have taken it meanwhile.
         let _birth = self.registry.births.lock().await;
         if let Some(value) = self.made_before(&id, &digest).await? {
-            return Ok(Stored { created: false, map_version: value.version, value });
+            return Ok(Stored { created: false, value });
         }
         self.check_new_map(owner).await?;
         let version = copy.version + 1;
         copy.finish(CopiedAs::Map { id: id.clone(), properties, version, digest, owner }).await?;
         tracing::info!(map = %id, base = %from, "a map was copied");
-        Ok(Stored { created: true, map_version: version, value: self.get_map(&id).await? })
+        Ok(Stored { created: true, value: self.get_map(&id).await? })
     }
 }
 

@@ -19,9 +19,6 @@ use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::recognition::map::recorder::Recorder;
 use crate::store::{Job, MapRow, StoreError};
 
-/// The version of a map that was just made.
-const FIRST_VERSION: u64 = 1;
-
 impl Service {
     /// Returns the maps by name, as far as they are visible to who asks.
     pub async fn list_maps(
@@ -72,13 +69,13 @@ impl Service {
         let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
         if let Some(value) = self.made_before(&id, &digest).await? {
-            return Ok(Stored { created: false, map_version: value.version, value });
+            return Ok(Stored { created: false, value });
         }
         self.check_new_map(owner).await?;
         self.disk_takes(false).await?;
         let job = Job::CreateMap { id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).instrument(traces::part("commit")).await?;
-        Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
+        Ok(Stored { created: true, value: self.get_map(&id).await? })
     }
 
     /// Returns the map of this name if this very request had made it; fails if another one had.

@@ -16,7 +16,6 @@ pub(super) mod locate_maps;
 pub(super) mod loops;
 mod map_copies;
 mod maps;
-pub(super) mod model_verdicts;
 mod named;
 pub(super) mod queries;
 pub(super) mod releases;

@@ -49,7 +49,7 @@ impl Service {
         let _publishing = live.publishing.lock().await;
         let digest = fingerprint(&wanted);
         if let Some(value) = self.published_before(live, &name, &digest).await? {
-            return Ok(Stored { created: false, map_version: value.version, value });
+            return Ok(Stored { created: false, value });
         }
         let (count, bytes) = self.store.release_sizes(live.key).await?;
         if count >= RELEASES_MAX {
@@ -88,7 +88,7 @@ impl Service {
         }
         // The map may have been loaded anew meanwhile, with a lock of its own.
         if let Some(value) = self.published_before(live, &name, &digest).await? {
-            return Ok(Stored { created: false, map_version: value.version, value });
+            return Ok(Stored { created: false, value });
         }
         copy.finish(copied_as).await?;
         drop(birth);
@@ -98,7 +98,7 @@ impl Service {
         let (telling, store) = (live.clone(), self.store.clone());
         drop(spawn_blocking(move || telling.tell(&store, vec![event])));
         let value = self.release_of(&live.id, live.key, &name).await?;
-        Ok(Stored { created: true, map_version: version, value })
+        Ok(Stored { created: true, value })
     }
 
     /// Returns the release of this name if this very request had published it; fails if another one had.

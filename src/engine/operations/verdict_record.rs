@@ -60,15 +60,6 @@ impl Service {
         Ok(answer)
     }
 
-    /// Answers the loop query about a stored keyframe, and records the answer.
-    pub(in crate::engine) async fn query_stored(
-        &self,
-        map: &MapId,
-        keyframe: KeyframeId,
-    ) -> Result<QueryAnswer> {
-        self.loop_query(map, about(keyframe)).await
-    }
-
     /// Answers the loop query about a keyframe that has just arrived. The verdict is recorded; if it is a loop, or evidence speaks
     /// against one, listeners are notified of it.
     pub(in crate::engine) async fn query_and_announce(
@@ -135,7 +126,8 @@ impl Service {
     }
 }
 
-fn about(keyframe: KeyframeId) -> LoopQuery {
+/// Returns the loop query about a stored keyframe.
+pub(super) fn about(keyframe: KeyframeId) -> LoopQuery {
     LoopQuery {
         subject: Subject::Stored(keyframe),
         release: None,

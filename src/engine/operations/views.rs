@@ -12,13 +12,9 @@ use crate::semantics::{self, Source};
 /// Maximum matching anchors that an anchor shows; an EXIT sign has thousands.
 const MATCHES_SHOWN: usize = 100;
 
-/// Returns an anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.
-pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
-    anchor_with(index, seq, &mut Alignments::of(index))
-}
-
-/// Returns an anchor as it stands, beside others whose sessions are aligned once.
-pub(in crate::engine) fn anchor_with(
+/// Returns an anchor as it stands, beside others whose sessions are aligned once; of a merged one, what is its own. `None` if there is
+/// no such anchor.
+pub(in crate::engine) fn anchor(
     index: &MapIndex,
     seq: AnchorSeq,
     alignments: &mut Alignments<'_>,

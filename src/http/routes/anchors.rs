@@ -75,8 +75,8 @@ pub async fn put_prior_anchor(
     PriorPath { map, anchor: prior }: PriorPath,
     Body(fields): Body<PriorBody>,
 ) -> Result<Response, Problem> {
-    let stored = service.put_prior(&map, fields.named(prior)).await?;
-    Ok(written(stored.created, AnchorView::at(stored.map_version, stored.value)))
+    let (version, stored) = service.put_prior(&map, fields.named(prior)).await?;
+    Ok(written(stored.created, AnchorView::at(version, stored.value)))
 }
 
 /// Describe an anchor by hand

@@ -275,7 +275,7 @@ async fn begin(
     let (id, sent) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
     let SentKeyframe { keyframe, digest } = match sent {
         Ok(sent) => sent,
-        Err(faulty) => return Err((id, all_faults(app, map.id(), "", faulty).await)),
+        Err(faulty) => return Err((id, all_faults(app, &map.id, "", faulty).await)),
     };
     match app.service.begin_keyframe(map, keyframe, digest).await {
         Ok(keyframe) => Ok((id, keyframe)),

@@ -109,7 +109,7 @@ fn stream(
                 () = app.service.keys().ended(&access) => return,
                 () = tokio::time::sleep(MOVED_EVERY), if app.service.address().is_some() => {
                     // Its events are told by the server that has it: the client resumes there.
-                    if matches!(app.service.route(map.id()).await, Ok(Route::At(_))) {
+                    if matches!(app.service.route(&map.id).await, Ok(Route::At(_))) {
                         return;
                     }
                 }

@@ -42,9 +42,9 @@ pub async fn confirm_loop(
     Body(new): Body<NewLoop>,
 ) -> Result<Response, Problem> {
     let transform = measured(&service, &map, &new).await?;
-    let stored = service.confirm_loop(&map, new, transform).await?;
+    let (version, stored) = service.confirm_loop(&map, new, transform).await?;
     let ConfirmedLoop { report, warnings } = stored.value;
-    Ok(written(stored.created, LoopClosed::of(stored.map_version, report, warnings)))
+    Ok(written(stored.created, LoopClosed::of(version, report, warnings)))
 }
 
 /// List confirmed loops

@@ -68,7 +68,7 @@ impl Round {
         has_changed
             || is_over
             || chosen_otherwise
-            || board.told_away != (board.waits() && self.is_away_for(live))
+            || board.told_away != (board.waits() && self.service.must_wait(live))
     }
 
     /// Returns the embeddings, while they can be had; else words choose as they do without them.
@@ -76,15 +76,10 @@ impl Round {
         self.models.embeddings.as_ref().filter(|embeddings| embeddings.away_for().is_none())
     }
 
-    /// Whether the models are away as far as this map is concerned.
-    fn is_away_for(&self, live: &LiveMap) -> bool {
-        self.models.is_away() || self.is_spent_for(live)
-    }
-
     /// Finds the description tasks of a map, and records whether the map waits for a model.
     pub(super) async fn look(&mut self, live: &Arc<LiveMap>) {
         let roles = self.models.roles();
-        let models_away = self.is_away_for(live);
+        let models_away = self.service.must_wait(live);
         let at_hand = self.embeddings_at_hand().cloned();
         let board = self.boards.entry(live.key).or_insert_with(|| Backlog::of(live));
         let now = Instant::now();
@@ -123,11 +118,5 @@ impl Round {
         if away != told_away {
             self.tell_away(live, away).await;
         }
-    }
-
-    /// Whether the key that pays for this map has spent its day's budget.
-    fn is_spent_for(&self, live: &LiveMap) -> bool {
-        let payer = self.service.payer(live.owner);
-        payer.is_some_and(|payer| self.models.budget().is_spent_for(&payer))
     }
 }
