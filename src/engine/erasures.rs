@@ -333,7 +333,12 @@ fn forget_points(index: &mut MapIndex, sessions: &[SessionId]) -> Option<Decided
     };
     let forgotten = gone.map(|session| Change::PointsForgotten(session, points(session)));
     let is_any = |change: &Change| matches!(change, Change::PointsForgotten(_, points) if !points.is_empty());
-    let changes: Vec<Change> = forgotten.filter(is_any).collect();
+    let changes = forgotten.filter(is_any).collect();
+    recorded(index, changes)
+}
+
+/// Applies changes, if there are any.
+pub(super) fn recorded(index: &mut MapIndex, changes: Vec<Change>) -> Option<Decided> {
     if changes.is_empty() {
         return None;
     }

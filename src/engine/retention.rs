@@ -18,12 +18,12 @@ use tokio::time::sleep;
 use crate::domain::change::{Change, ForgottenParts};
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::settings::Settings;
+use crate::engine::erasures::recorded;
 use crate::engine::keys::keyring::now;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
-use crate::recognition::map::recorder::Recorder;
 use crate::recognition::map::redundancy::find_redundant;
 use crate::store::Job;
 
@@ -107,13 +107,9 @@ impl Service {
         let keyframes: Vec<KeyframeSeq> = parts.iter().map(|parts| parts.keyframe).collect();
         let decide = move |index: &mut MapIndex| {
             let is_there = |parts: &ForgottenParts| index.keyframe(parts.keyframe).is_some();
-            let parts: Vec<ForgottenParts> = parts.into_iter().filter(is_there).collect();
-            if parts.is_empty() {
-                return Ok(Decision::Unchanged(()));
-            }
-            let mut record = Recorder::new(index);
-            record.apply(parts.into_iter().map(|parts| Change::PartsForgotten(Box::new(parts))).collect());
-            Ok(Decision::Changed((), record.finish(), None))
+            let parts = parts.into_iter().filter(is_there);
+            let changes = parts.map(|parts| Change::PartsForgotten(Box::new(parts))).collect();
+            Ok(Decision::of((), recorded(index, changes)))
         };
         self.begin(&live, Manner::Freeing, decide).await?.committed().await?;
         for keyframe in keyframes {

@@ -46,13 +46,7 @@ impl LiveMap {
         self.gone.store(true, Ordering::Release);
         free(std::mem::take(&mut state.index));
         self.memory.set(state.index.memory_bytes());
-        Ok(self.submit(
-            store,
-            Job::DeleteMap(self.key),
-            Urgency::Prompt,
-            state.version,
-            state.next_event,
-            None,
-        ))
+        let job = Job::DeleteMap(self.key);
+        Ok(self.submit(store, job, Urgency::Prompt, state.version, state.next_event, None))
     }
 }

@@ -366,14 +366,8 @@ impl LiveMap {
         }
         let events = number(&mut state, events);
         let (version, next_event) = (state.version, state.next_event);
-        drop(self.submit(
-            store,
-            Job::AppendEvents(self.key, next_event, events),
-            Urgency::Prompt,
-            version,
-            next_event - 1,
-            None,
-        ));
+        let job = Job::AppendEvents(self.key, next_event, events);
+        drop(self.submit(store, job, Urgency::Prompt, version, next_event - 1, None));
     }
 
     /// Keeps the answer of a loop query, written behind.

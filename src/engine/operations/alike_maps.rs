@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::engine::limits::shared_turns::Tenant;
-use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
@@ -77,23 +77,17 @@ impl Service {
     ) -> Result<usize> {
         let seen = (self.seen(home, probe).await?, self.seen(other_map, other).await?);
         let (Some(probe), Some(other)) = seen else { return Ok(0) };
-        let (_, (settings, metric)) = self
-            .read(other_map, |state| {
-                let properties = state.index.properties();
-                Ok((properties.settings.clone(), properties.metric))
-            })
-            .await?;
+        let terms = |state: &State| {
+            let properties = state.index.properties();
+            Ok((properties.settings.clone(), properties.metric))
+        };
+        let (_, (settings, metric)) = self.read(other_map, terms).await?;
         let verify = move || {
             let terms = Terms { settings: &settings, metric };
             let comparisons = Comparisons::default();
             let asked = PlacedQuery::new((&probe.snapshot, &probe.features), &comparisons);
-            let outcome = verify_views(
-                &terms,
-                &asked,
-                (&other.snapshot, &other.features),
-                &FeatureSet::default(),
-                seed,
-            );
+            let (seen, none) = ((&other.snapshot, &*other.features), FeatureSet::default());
+            let outcome = verify_views(&terms, &asked, seen, &none, seed);
             let cameras = (&probe.snapshot.camera, &other.snapshot.camera);
             outcome.map_or(0, |outcome| alike_cells(&outcome.verification, cameras.0, cameras.1))
         };

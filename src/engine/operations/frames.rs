@@ -108,12 +108,12 @@ impl Service {
         let computed = blocking(move || fleet_frames(&facts)).await?;
         drop(turn);
         checked.rested = Some(Instant::now() + REST * started.elapsed());
-        let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);
         if let Some((kept_at, frames)) = kept.as_ref().filter(|(_, frames)| *frames == computed) {
             checked.version = version;
             return Ok((*kept_at, Arc::new(frames.clone())));
         }
-        let known: BTreeSet<&LoopId> = known.iter().map(|suspect| &suspect.loop_id).collect();
+        let suspects = kept.iter().flat_map(|(_, frames)| &frames.suspects);
+        let known: BTreeSet<&LoopId> = suspects.map(|suspect| &suspect.loop_id).collect();
         let new = computed.suspects.iter().filter(|suspect| !known.contains(&suspect.loop_id));
         let events: Vec<Event> = new.map(|suspect| suspected(suspect, version)).collect();
         let frames = Arc::new(computed);

@@ -66,17 +66,8 @@ impl Service {
             None => self.free_id(&live, number).await?,
         };
         let state = if questions == 0 { JobState::Done } else { JobState::Running };
-        let (asks, tally) = (new.asks, Tally::default());
-        let job = Judgement {
-            id,
-            asks,
-            state,
-            since_version: map_version,
-            questions,
-            estimate,
-            tally,
-            position: None,
-        };
+        let (asks, since_version, tally, position) = (new.asks, map_version, Tally::default(), None);
+        let job = Judgement { id, asks, state, since_version, questions, estimate, tally, position };
         self.disk_takes(false).await?;
         self.store.committer().commit(Job::StartJudgement(live.key, Box::new(job.clone()))).await?;
         self.rejudging.wake();

@@ -9,7 +9,6 @@ use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Pag
 use crate::domain::request::PageRequest;
 use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::error::parsed;
-use crate::engine::maps::live::LiveMap;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_map::local_anchor_map;
@@ -51,7 +50,8 @@ impl Service {
         let live = self.live(map).await?;
         let name = id.clone();
         let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
-        let row = self.keyframe_row(&live, id, seq).await?;
+        // It may be culled between the look at the index and the look at the store.
+        let row = self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))?;
         let name = id.clone();
         self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
     }
@@ -96,16 +96,6 @@ impl Service {
             Ok(local.anchors.into_iter().map(report).collect())
         })
         .await
-    }
-
-    pub(super) async fn keyframe_row(
-        &self,
-        live: &LiveMap,
-        id: &KeyframeId,
-        seq: KeyframeSeq,
-    ) -> Result<KeyframeRow> {
-        // Culled between the look at the index and the look at the store.
-        self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
 }
 

@@ -28,10 +28,8 @@ impl Service {
             return Ok(Stored { created: false, value });
         }
         let from = base.id();
-        let no_base = || match &base.release {
-            Some(name) => no_release(&base.map, name),
-            None => ServiceError::no_map(&base.map),
-        };
+        let no_map = || ServiceError::no_map(&base.map);
+        let no_base = || base.release.as_ref().map_or_else(no_map, |name| no_release(&base.map, name));
         if from == id {
             return Err(FieldError::new("/base/map", "a map cannot begin as itself").got(&id).into());
         }

@@ -21,8 +21,7 @@ use crate::engine::tasks::blocking_part;
 use crate::engine::vocabulary::{check_global_descriptor, check_vocabulary};
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
-use crate::recognition::loops::check_loop::screen;
-use crate::recognition::loops::check_loop::verify_and_decide;
+use crate::recognition::loops::check_loop::{screen, verify_and_decide};
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::Screening;
 use crate::recognition::map::index::MapIndex;
@@ -75,9 +74,8 @@ impl Service {
     pub(in crate::engine) async fn answer(
         &self,
         live: &Arc<LiveMap>,
-        query: LoopQuery,
+        mut query: LoopQuery,
     ) -> Result<QueryAnswer> {
-        let mut query = query;
         if let Subject::Inline(keyframe, _) = &mut query.subject {
             **keyframe = self.compute_bow((**keyframe).clone()).await?;
         }

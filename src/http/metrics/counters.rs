@@ -190,14 +190,15 @@ mod tests {
     use super::*;
     use crate::domain::key::KeySeq;
     use crate::domain::verdict::Decision;
-    use crate::engine::Stats;
+    use crate::engine::{Stats, VerdictCounts};
 
     #[test]
     fn requests_verdicts_and_stats_are_told() {
         let metrics = Metrics::default();
         metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
-        let verdicts = [Decision::Loop].into_iter().collect();
+        let mut verdicts = VerdictCounts::default();
+        verdicts.add(Decision::Loop);
         let stats = Stats { keyframes: 7, verdicts, ..Stats::default() };
         let requests = |seq| (KeySeq(seq), if seq == 1 { 3 } else { 1 });
         let key_requests = (1..=KEYS_NAMED as i64 + 2).map(requests).collect();
