@@ -165,7 +165,7 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
         }
         Request::DeletePrior(name) => {
             let key: AnchorKey = format!("door-{name}").parse().unwrap();
-            service.delete_anchor(map, key.into(), None).await.map(drop)
+            service.delete_anchor(map, key, None).await.map(drop)
         }
         Request::Describe(anchor, text) => {
             let text = text.map(|text| TEXTS[usize::from(text)].to_owned());
