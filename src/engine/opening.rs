@@ -8,7 +8,7 @@ use tokio_util::sync::CancellationToken;
 use super::cluster::followers::Followers;
 use super::descriptions::judgement_runner::JudgementRunner;
 use super::descriptions::round::Round;
-use super::error::{Result, ServiceError};
+use super::error::Result;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
@@ -106,7 +106,7 @@ async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models
         #[cfg(feature = "llm")]
         ModelChoice::Configured(args) => {
             let opened = Models::open(&args, store).await;
-            opened.map_err(|error| ServiceError::Internal(error.to_string()))?
+            opened.map_err(|error| super::ServiceError::Internal(error.to_string()))?
         }
         ModelChoice::Given(args, models) => Some(Models::with(models, None, &args, store).await?),
     };
