@@ -76,21 +76,17 @@ impl Robot {
         // The points of an object are placed as it comes into sight.
         let placed = objects.iter().filter(|object| number == 0 || first_sight(**object) >= number);
         let placed: Vec<i64> = placed.flat_map(|object| points_of(*object)).collect();
+        let pose = Pose::new(centre, [0.0, 0.0, 0.0, 1.0]).expect("a pose");
         NewKeyframe {
-            id: Self::id(number),
             session: format!("run-{}", number / SESSION).parse().expect("an id"),
-            stamp: Stamp { sec: i64::from(number), nanosec: 0 },
-            map_from_camera: Pose::new(centre, [0.0, 0.0, 0.0, 1.0]).expect("a pose"),
             camera: Some(Camera { fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, width: 640, height: 480 }),
-            gravity: None,
-            global_descriptor: None,
             bow: self.read(),
             vocabulary: Some(CLIENTS_VOCABULARY.into()),
             features: (self.sends.features > 0).then(|| self.features()),
             map_points: (known..self.next_point).chain(placed).map(|id| (id, position(id))).collect(),
-            covisible: None,
             detections: (0..self.sends.detections).map(|side| detection(number, side, centre)).collect(),
             observes,
+            ..NewKeyframe::at(Self::id(number), Stamp { sec: i64::from(number), nanosec: 0 }, pose)
         }
     }
 

@@ -68,6 +68,7 @@ create table keyframes (
     bytes bigint not null default 0,
     version bigint not null default 0,
     gravity bytea,
+    height_m double precision,
     global_model text collate "C",
     global_encoding text collate "C",
     global_descriptor bytea,

@@ -89,6 +89,8 @@ create table keyframes (
     version integer not null default 0,
     -- float64 x y z: the unit vector of gravity in the camera frame; null where it is not known.
     gravity blob,
+    -- The height that a barometer tells, in metres above a level of the session's own; null where it is not known.
+    height_m real,
     -- The vector of the whole image: the model that computed it, 'int8' or 'bits', and its numbers; null where none was sent.
     global_model text,
     global_encoding text,

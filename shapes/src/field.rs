@@ -1,8 +1,11 @@
 //! A field of a shape: how it is declared, and how it is read.
 
-use proc_macro2::{Literal, TokenStream as Tokens, TokenTree};
+use proc_macro2::TokenStream as Tokens;
 use quote::{ToTokens as _, quote};
 use syn::{Attribute, GenericArgument, Ident, Meta, PathArguments, Type};
+
+use crate::bounds::{Bounds, count, float, number, whole};
+use crate::column::Column;
 
 /// The source that a shape is read from.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -18,66 +21,15 @@ pub struct Field {
     declaration: syn::Field,
     is_id: bool,
     is_null: bool,
+    is_unique: bool,
+    is_ignored: bool,
     reader: Option<Tokens>,
     source: Option<Tokens>,
+    parallel_to: Option<Ident>,
+    column: Option<Column>,
     is_rounded: bool,
+    renamed: Option<String>,
     bounds: Bounds,
-}
-
-/// The bounds of `#[schema(...)]` and `#[param(...)]`.
-#[derive(Default)]
-struct Bounds {
-    minimum: Option<String>,
-    maximum: Option<String>,
-    min_length: Option<String>,
-    max_length: Option<String>,
-    min_items: Option<String>,
-    max_items: Option<String>,
-    default: Option<Tokens>,
-}
-
-impl Bounds {
-    /// Takes `key = value` pieces; what is no bound is passed over.
-    fn take(&mut self, tokens: Tokens) {
-        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        let is_comma = |token: &TokenTree| matches!(token, TokenTree::Punct(punct) if punct.as_char() == ',');
-        for piece in tokens.split(is_comma) {
-            let [TokenTree::Ident(key), TokenTree::Punct(_), value @ ..] = piece else { continue };
-            if key == "default" {
-                self.default = Some(value.iter().cloned().collect());
-                continue;
-            }
-            let bound = match key.to_string().as_str() {
-                "minimum" => &mut self.minimum,
-                "maximum" => &mut self.maximum,
-                "min_length" => &mut self.min_length,
-                "max_length" => &mut self.max_length,
-                "min_items" => &mut self.min_items,
-                "max_items" => &mut self.max_items,
-                _ => continue,
-            };
-            *bound = Some(value.iter().map(ToString::to_string).collect());
-        }
-    }
-}
-
-/// Returns a literal's number, without its suffix and underscores.
-fn number<T: std::str::FromStr>(text: &str) -> Option<T> {
-    let digits: String = text.chars().filter(|digit| *digit != '_').collect();
-    let suffix = ["i64", "u64", "f64", "usize"].into_iter().find_map(|suffix| digits.strip_suffix(suffix));
-    suffix.unwrap_or(&digits).parse().ok()
-}
-
-fn whole(bound: Option<&String>, otherwise: i64) -> Literal {
-    Literal::i64_suffixed(bound.and_then(|text| number(text)).unwrap_or(otherwise))
-}
-
-fn float(bound: Option<&String>, otherwise: f64) -> Literal {
-    Literal::f64_suffixed(bound.and_then(|text| number(text)).unwrap_or(otherwise))
-}
-
-fn count(bound: Option<&String>) -> Literal {
-    Literal::usize_suffixed(bound.and_then(|text| number(text)).unwrap_or(0))
 }
 
 /// Returns the type within `Option<...>` or `Vec<...>`.
@@ -104,9 +56,14 @@ impl Field {
             declaration: syn::Field { attrs: Vec::new(), ..field.clone() },
             is_id: false,
             is_null: false,
+            is_unique: false,
+            is_ignored: false,
             reader: None,
             source: None,
+            parallel_to: None,
+            column: None,
             is_rounded: false,
+            renamed: None,
             bounds: Bounds::default(),
         };
         for attribute in &field.attrs {
@@ -123,6 +80,14 @@ impl Field {
             self.is_null = true;
         } else if path.is_ident("rounded") {
             self.is_rounded = true;
+        } else if path.is_ident("unique") {
+            self.is_unique = true;
+        } else if path.is_ident("ignored") {
+            self.is_ignored = true;
+        } else if path.is_ident("parallel") {
+            self.parallel_to = Some(attribute.parse_args()?);
+        } else if path.is_ident("column") {
+            self.column = Some(attribute.parse_args()?);
         } else if path.is_ident("from") {
             self.source = Some(attribute.meta.require_list()?.tokens.clone());
         } else if path.is_ident("read") {
@@ -132,6 +97,13 @@ impl Field {
                 && (path.is_ident("schema") || path.is_ident("param"))
             {
                 self.bounds.take(list.tokens.clone());
+            }
+            if path.is_ident("serde")
+                && let Ok(Meta::NameValue(value)) = attribute.parse_args::<Meta>()
+                && value.path.is_ident("rename")
+                && let syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(name), .. }) = value.value
+            {
+                self.renamed = Some(name.value());
             }
             self.declaration.attrs.push(attribute.clone());
         }
@@ -144,8 +116,14 @@ impl Field {
 
     /// Its name in JSON.
     pub fn name(&self) -> String {
-        let name = self.ident().to_string();
-        name.strip_prefix("r#").map_or(name.clone(), str::to_owned)
+        let name = || self.ident().to_string().trim_start_matches("r#").to_owned();
+        self.renamed.clone().unwrap_or_else(name)
+    }
+
+    /// Its names in a JSON that a client sends: that of its list, and that of its packed form.
+    pub fn names(&self) -> Vec<String> {
+        let packed = self.column.as_ref().map(|column| column.packed.to_string());
+        [self.name()].into_iter().chain(packed).collect()
     }
 
     /// Its declaration, for serde and utoipa.
@@ -158,6 +136,27 @@ impl Field {
         let has_default = source == Source::Query && self.bounds.default.is_some();
         let not_required = has_default.then(|| quote!(#[param(required = false)]));
         quote!(#left_out #id #not_required #declaration)
+    }
+
+    /// Its declaration in the schema of what clients send, where a column may be a list or packed.
+    pub fn sent(&self) -> syn::Result<Tokens> {
+        let Some(column) = &self.column else { return Ok(self.declared(Source::Body)) };
+        let syn::Field { attrs, ty, .. } = &self.declaration;
+        let (name, packed, about) = (self.ident(), &column.packed, column.about());
+        let most = self.bounds.max_items.as_ref().and_then(|text| number(text)).unwrap_or(0);
+        let most = column.most_chars(most)?;
+        let is_optional = within(ty, "Option").is_some();
+        let list = if is_optional { quote!(#ty) } else { quote!(Option<#ty>) };
+        let required = format!(" This or `{packed}` is required.");
+        let required = (!is_optional).then(|| quote!(#[doc = #required] #[schema(required = false)]));
+        Ok(quote! {
+            #(#attrs)*
+            #required
+            pub #name: #list,
+            #[doc = #about]
+            #[schema(max_length = #most)]
+            pub #packed: Option<String>
+        })
     }
 
     /// The rule for ids, in the API document.
@@ -201,9 +200,17 @@ impl Field {
 
     /// Returns the expression that reads it from an object.
     pub fn reader(&self, source: Source) -> syn::Result<Tokens> {
+        if self.is_ignored {
+            return Ok(quote!(Some(None)));
+        }
         let name = self.name();
         let optional = within(&self.declaration.ty, "Option");
         let read = self.read(optional.unwrap_or(&self.declaration.ty), source)?;
+        if self.column.is_some() {
+            let column = self.as_column();
+            let method = if optional.is_some() { quote!(optional_column) } else { quote!(required_column) };
+            return Ok(quote!(object.#method(#column, |node| #read)));
+        }
         if optional.is_some() {
             return Ok(quote!(object.optional(#name, |node| #read)));
         }
@@ -213,6 +220,27 @@ impl Field {
         Ok(quote!(object.optional(#name, |node| #read).map(|found| found.unwrap_or(#default))))
     }
 
+    /// Returns the expression that is this field as a column of the decoder.
+    pub fn as_column(&self) -> Tokens {
+        let name = self.name();
+        let packed = self.column.as_ref().map(|Column { packed, number, row }| {
+            let packed = packed.to_string();
+            let row = if let Some(row) = row { quote!(Some(#row)) } else { quote!(None) };
+            quote! {
+                crate::api::decoding::column::Packed {
+                    name: #packed, number: crate::api::decoding::column::Number::#number, row: #row
+                }
+            }
+        });
+        let packed = if let Some(packed) = packed { quote!(Some(#packed)) } else { quote!(None) };
+        quote!(crate::api::decoding::column::Column { list: #name, packed: #packed })
+    }
+
+    /// Returns the name of the list that this one must be as long as.
+    pub fn parallel_to(&self) -> Option<&Ident> {
+        self.parallel_to.as_ref()
+    }
+
     /// Returns the expression that reads a value of this type from `node`.
     fn read(&self, of: &Type, source: Source) -> syn::Result<Tokens> {
         if let Some(reader) = &self.reader {
@@ -220,6 +248,9 @@ impl Field {
         }
         if let Some(item) = within(of, "Vec") {
             let (item, most) = (self.read(item, source)?, count(self.bounds.max_items.as_ref()));
+            if self.is_unique {
+                return Ok(quote!(node.unique(#most, |node| #item)));
+            }
             let Some(least) = &self.bounds.min_items else {
                 return Ok(quote!(node.list(#most, |node| #item)));
             };

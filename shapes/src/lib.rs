@@ -9,9 +9,20 @@
 //! | [`macro@body`] | what a client sends in a body |
 //! | [`macro@params`] | what a client sends in a query |
 //!
-//! A field may have `#[id]` (the rule for ids), `#[read(function)]` (a reader of its own), `#[null]` (told as null where it is
-//! missing), `#[from(expression)]` and `#[rounded]`.
+//! | attribute of a field | |
+//! |---|---|
+//! | `#[id]` | the rule for ids |
+//! | `#[read(function)]` | a reader of its own; the fields before it may be used in it, each an `Option` |
+//! | `#[unique]` | no item of the list is there twice |
+//! | `#[column(name, number, row)]` | the list may be packed: the member for that, its numbers, and how many an item has |
+//! | `#[parallel(other)]` | the list is as long as the other one |
+//! | `#[ignored]` | the member may be there, and is not read |
+//! | `#[null]` | answered as null where it is missing |
+//! | `#[from(expression)]` | its value, of the model `of` |
+//! | `#[rounded]` | rounded, as computed numbers are |
 
+mod bounds;
+mod column;
 mod field;
 
 use field::{Field, Source};
@@ -19,7 +30,7 @@ use proc_macro::TokenStream;
 use proc_macro2::TokenStream as Tokens;
 use quote::quote;
 use syn::parse::{Parse, ParseStream};
-use syn::{Data, DeriveInput, Fields, Path, Token};
+use syn::{Data, DeriveInput, Fields, Ident, Path, Token};
 
 /// Makes a shape that the service sends: a schema, and both ways of JSON. What is `None` is left out. `#[answer(of = Model)]`, or `of = &Model`, also
 /// makes it of the model's type: a field is that of the same name as it is shown, or what `#[from(...)]` says, in which the model is
@@ -35,15 +46,19 @@ pub fn answer(model: TokenStream, item: TokenStream) -> TokenStream {
 }
 
 /// Makes a shape that a client sends in a body: as [`macro@answer`], with a decoder that refuses further fields. `#[body(Model)]` also decodes the model's
-/// type, by `From`; `#[body(checked Model)]` by the method `checked` of the struct, which may refuse what does not fit together.
+/// type, by `From`; `#[body(checked Model)]` by the method `checked` of the struct, which may refuse what does not fit together. A further
+/// `of = Model` makes it of the model's type, as an answer is, and `sent Name` makes the schema `Name`, in which a column may be packed.
 #[proc_macro_attribute]
 pub fn body(model: TokenStream, item: TokenStream) -> TokenStream {
-    let model = (!model.is_empty()).then(|| syn::parse::<Decoded>(model));
+    let arguments = syn::parse::<Arguments>(model);
     expand(item, |shape| {
+        let Arguments { decoded, model, sent } = arguments?;
         let json = shape.json(&quote!(#[serde(deny_unknown_fields)]));
         let decoder = shape.decoder(Source::Body)?;
-        let of_model = model.transpose()?.map(|model| shape.decoder_of(&model));
-        Ok(quote!(#json #decoder #of_model))
+        let decoded = decoded.map(|decoded| shape.decoder_of(&decoded));
+        let of_model = model.map(|model| shape.made_of(&model));
+        let sent = sent.map(|name| shape.sent(&name)).transpose()?;
+        Ok(quote!(#json #decoder #decoded #of_model #sent))
     })
 }
 
@@ -77,6 +92,31 @@ impl Parse for Decoded {
     }
 }
 
+/// What a body is read into, made of and documented as.
+#[derive(Default)]
+struct Arguments {
+    decoded: Option<Decoded>,
+    model: Option<Model>,
+    sent: Option<Ident>,
+}
+
+impl Parse for Arguments {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let mut arguments = Self::default();
+        while !input.is_empty() {
+            if input.peek(kw::of) {
+                arguments.model = Some(input.parse()?);
+            } else if input.parse::<Option<kw::sent>>()?.is_some() {
+                arguments.sent = Some(input.parse()?);
+            } else {
+                arguments.decoded = Some(input.parse()?);
+            }
+            input.parse::<Option<Token![,]>>()?;
+        }
+        Ok(arguments)
+    }
+}
+
 /// The type that a shape is made of.
 struct Model {
     path: Path,
@@ -95,6 +135,7 @@ impl Parse for Model {
 mod kw {
     syn::custom_keyword!(checked);
     syn::custom_keyword!(of);
+    syn::custom_keyword!(sent);
 }
 
 /// A struct that is a shape.
@@ -157,9 +198,14 @@ impl Shape {
     fn decoder(&self, source: Source) -> syn::Result<Tokens> {
         let name = &self.input.ident;
         let idents: Vec<_> = self.fields.iter().map(Field::ident).collect();
-        let names = self.fields.iter().map(Field::name);
+        let names = self.fields.iter().flat_map(Field::names);
         let readers =
             self.fields.iter().map(|field| field.reader(source)).collect::<syn::Result<Vec<_>>>()?;
+        let parallel = self.fields.iter().filter_map(|second| {
+            let first = self.fields.iter().find(|first| Some(first.ident()) == second.parallel_to())?;
+            let (first, second) = (first.as_column(), second.as_column());
+            Some(quote!(object.parallel(#first, #second)?;))
+        });
         Ok(quote! {
             impl crate::api::decoding::read::Members for #name {
                 fn names() -> Vec<&'static str> {
@@ -168,6 +214,7 @@ impl Shape {
 
                 fn read(object: &crate::api::decoding::read::Object<'_>) -> Option<Self> {
                     #(let #idents = #readers;)*
+                    #(#parallel)*
                     Some(Self { #(#idents: #idents?,)* })
                 }
             }
@@ -177,6 +224,21 @@ impl Shape {
                     crate::api::decoding::read::members(node)
                 }
             }
+        })
+    }
+
+    /// The schema of what clients send, in which a column may be packed.
+    fn sent(&self, name: &Ident) -> syn::Result<Tokens> {
+        let visibility = &self.input.vis;
+        let docs = self.input.attrs.iter().filter(|attribute| attribute.path().is_ident("doc"));
+        let fields = self.fields.iter().map(Field::sent).collect::<syn::Result<Vec<_>>>()?;
+        Ok(quote! {
+            #(#docs)*
+            #[doc = " Long lists may be packed."]
+            #[derive(serde::Deserialize, utoipa::ToSchema)]
+            #[serde(deny_unknown_fields)]
+            #[schema(as = #name)]
+            #visibility struct #name { #(#fields,)* }
         })
     }
 

@@ -7,7 +7,7 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::decoding::document::Json;
-use super::keyframe::{Faulty, KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, of_line};
+use super::keyframe::{Faulty, Keyframe, KeyframeAnswer, OutcomeView, SentKeyframe, of_line};
 use super::names::Id;
 use super::problem::ProblemView;
 use crate::domain::ids::KeyframeId;
@@ -23,7 +23,7 @@ impl ToSchema for BulkItem {
 
 impl PartialSchema for BulkItem {
     fn schema() -> RefOr<Schema> {
-        let mut keyframe = KeyframeBody::schema();
+        let mut keyframe = Keyframe::schema();
         if let RefOr::T(Schema::Object(object)) = &mut keyframe {
             object.description = Some("One line of a bulk request: a keyframe with its id.".to_owned());
             object.required.insert(0, "id".to_owned());

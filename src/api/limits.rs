@@ -5,8 +5,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::domain::bow::BowVector;
-
 /// The most bytes of a body, compressed and inflated alike.
 pub const BODY_BYTES: usize = 32 << 20;
 /// The most bytes of one line of a bulk request.
@@ -28,51 +26,27 @@ pub const INFLATED_FOLD: usize = 64;
 /// The most faults of one body that are listed.
 pub const LISTED_FAULTS: usize = 100;
 
-/// Coordinates and lengths, in metres: to the Sun is farther, no building is.
+/// Coordinates, in metres: to the Sun is farther, no building is.
 pub const COORDINATE_M: RangeInclusive<f64> = -1e9..=1e9;
 /// Image coordinates, focal lengths and box corners, in pixels; they may lie outside the image.
 pub const PIXEL: RangeInclusive<f64> = -1e6..=1e6;
-/// Focal lengths, in pixels.
-pub const FOCAL_LENGTH_PX: RangeInclusive<f64> = 1e-3..=1e6;
-/// Sides of an image, in pixels.
-pub const IMAGE_SIDE_PX: RangeInclusive<i64> = 1..=1_000_000;
 /// One number of a quaternion.
 pub const QUATERNION: RangeInclusive<f64> = -1.01..=1.01;
 /// One number of a unit vector.
 pub const DIRECTION: RangeInclusive<f64> = -1.001..=1.001;
-/// A weight of a word, before it is normalised. 1e39 fits no f32, and neither does it fit here.
-pub const WEIGHT: RangeInclusive<f64> = 0.0..=1e30;
-/// A detector's confidence.
-pub const CONFIDENCE: RangeInclusive<f64> = 0.0..=1.0;
 /// A keypoint's orientation, in degrees; whether a detector counts to 360 or from -180 is its own affair.
 pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// A level of the image pyramid.
 pub const OCTAVE: RangeInclusive<i64> = 0..=63;
 
-/// Words of one keyframe.
-pub const WORDS: usize = BowVector::MAX_WORDS;
-/// A word's number in its vocabulary.
-pub const WORD: RangeInclusive<i64> = 0..=u32::MAX as i64;
-/// Features of one keyframe.
-pub const FEATURES: usize = 20_000;
-/// Characters of an id.
-pub const ID_CHARS: usize = 128;
 /// Bytes of one descriptor, a multiple of 8.
 pub const DESCRIPTOR_BYTES: RangeInclusive<i64> = 8..=512;
 /// Map points of one keyframe, observed, new or moved.
 pub const MAP_POINTS: usize = 100_000;
 /// A map point's number; ORB-SLAM counts in `unsigned long`, of which nobody has used the upper half.
 pub const POINT: RangeInclusive<i64> = 0..=i64::MAX;
-/// An offset of the numbers of map points.
-pub const POINT_OFFSET: RangeInclusive<i64> = -i64::MAX..=i64::MAX;
-/// The ratio of a length in one frame to the same in another, as a client says it.
-pub const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
-/// A feature's map point: as [`POINT`], and -1 for none.
-pub const POINT_OR_NONE: RangeInclusive<i64> = -1..=i64::MAX;
 /// Covisible keyframes that one keyframe declares.
 pub const COVISIBLE: usize = 10_000;
-/// Map points that two keyframes share.
-pub const SHARED: RangeInclusive<i64> = 0..=u32::MAX as i64;
 /// Detections of one keyframe.
 pub const DETECTIONS: usize = 500;
 /// The number of a detection in its keyframe.
@@ -86,8 +60,6 @@ pub const CLASS_CHARS: usize = 64;
 /// Characters of a text, a description or a search.
 pub const TEXT_CHARS: usize = 4096;
 
-/// The name of a vocabulary, in characters.
-pub const VOCABULARY_CHARS: usize = 128;
 /// Bytes of a crop, decoded.
 pub const CROP_BYTES: usize = 4 << 20;
 
@@ -103,11 +75,3 @@ pub const CORRECTIONS: usize = 100_000;
 pub const FUSED_POINTS: usize = 10_000;
 /// Keyframes of which one request may say what they observe.
 pub const CHANGED_KEYFRAMES: usize = 1_000;
-/// Time that a loop query may wait for models, in milliseconds.
-pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
-/// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
-pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
-/// Places of an answer to "where am I?".
-pub const LOCATE_PLACES: RangeInclusive<i64> = 1..=20;
-/// Patterns of maps of one key.
-pub const KEY_PATTERNS: usize = 100;

@@ -1,29 +1,29 @@
 //! Loop: one that a client closed, what it merged, and what its revocation splits again (`openapi/openapi.yaml`).
 
-use revisit_shapes::answer;
+use revisit_shapes::{answer, body};
 
-use super::decoding::read::{self, Decode, Node};
-use super::limits;
+use super::decoding::read::{self, Node};
 use super::names::LoopWarningCodeName;
 use super::shown::Shown;
-use super::space::{SimilarityShape, similarity};
+use super::space::SimilarityShape;
+use crate::domain::ids::{IdError, KeyframeId, LoopId};
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, MergeReport};
 use crate::domain::request::NewLoop;
 
 /// A loop that the client closed.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body(checked NewLoop, of = NewLoop)]
 pub struct LoopBody {
     /// Its id.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub id: String,
+    #[id]
+    pub id: LoopId,
     /// The keyframe that came back.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub keyframe: String,
+    #[id]
+    pub keyframe: KeyframeId,
     /// The keyframe it came back to.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub candidate: String,
+    #[id]
+    #[read(|node| another(node, keyframe.as_ref()))]
+    pub candidate: KeyframeId,
     /// The id of the loop query that found it.
     #[schema(min_length = 1, max_length = 128)]
     pub query: Option<String>,
@@ -93,36 +93,26 @@ pub struct MergeView {
     pub from: String,
 }
 
-impl From<NewLoop> for LoopBody {
-    fn from(new: NewLoop) -> Self {
-        let NewLoop { id, keyframe, candidate, query, candidate_from_query } = new;
-        let (keyframe, candidate) = (keyframe.to_string(), candidate.to_string());
-        let candidate_from_query = candidate_from_query.as_ref().map(SimilarityShape::from);
-        Self { id: id.to_string(), keyframe, candidate, query, candidate_from_query }
+fn another(node: &Node<'_>, keyframe: Option<&KeyframeId>) -> Option<KeyframeId> {
+    let id = read::id(node)?;
+    if Some(&id) == keyframe {
+        return node.refuse("a keyframe makes no loop with itself", "another keyframe");
     }
+    Some(id)
 }
 
-impl Decode for NewLoop {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["id", "keyframe", "candidate", "query", "candidate_from_query"])?;
-        let id = body.required("id", read::id);
-        let keyframe = body.required("keyframe", read::id);
-        let candidate = body.required("candidate", |candidate| {
-            let id = read::id(candidate)?;
-            if Some(&id) == keyframe.as_ref() {
-                return candidate.refuse("a keyframe makes no loop with itself", "another keyframe");
-            }
-            Some(id)
-        });
-        let query = body.optional("query", |node| node.name(limits::ID_CHARS));
-        let candidate_from_query = body.optional("candidate_from_query", similarity);
-        Some(Self {
-            id: id?,
-            candidate: candidate?,
-            keyframe: keyframe?,
-            query: query?,
-            candidate_from_query: candidate_from_query?,
-        })
+impl LoopBody {
+    /// Returns the loop of these ids that a query of this id has found.
+    pub fn found(id: &str, keyframe: &str, candidate: &str, query: String) -> Result<Self, IdError> {
+        let (id, keyframe, candidate) = (id.parse()?, keyframe.parse()?, candidate.parse()?);
+        Ok(Self { id, keyframe, candidate, query: Some(query), candidate_from_query: None })
+    }
+
+    fn checked(self, _: &Node<'_>) -> Option<NewLoop> {
+        let Self { id, keyframe, candidate, query, candidate_from_query } = self;
+        let candidate_from_query = candidate_from_query.map(SimilarityShape::sim3);
+        let candidate_from_query = candidate_from_query.map_or(Some(None), |sim3| sim3.map(Some))?;
+        Some(NewLoop { id, keyframe, candidate, query, candidate_from_query })
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use revisit_shapes::answer;
+use revisit_shapes::{answer, body};
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node, Object};
-use super::keyframe::Direction;
 use super::limits;
 use super::settings::{ChosenSettings, MapSettings};
+use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::map::NamedTwins;
 use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
@@ -29,8 +29,8 @@ pub struct MapBody {
     pub metric: Option<bool>,
     /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
     /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
-    #[schema(value_type = Option<Direction>, inline)]
-    pub gravity: Option<[f64; 3]>,
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3, minimum = -1.001, maximum = 1.001)]
+    pub gravity: Option<Gravity>,
     /// The classes of which anchors are made; empty means every class.
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
@@ -46,16 +46,15 @@ pub struct MapBody {
 }
 
 /// The map that a new one begins as.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body(MapBase)]
 #[schema(as = MapBase)]
 pub struct MapBaseShape {
     /// The map.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub map: String,
+    #[id]
+    pub map: MapId,
     /// Its release; left out: the map as it stands.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub release: Option<String>,
+    #[id]
+    pub release: Option<ReleaseName>,
 }
 
 /// Changes of a map; a field that is left out stays as it is.
@@ -70,8 +69,8 @@ pub struct MapPatchBody {
     pub metric: Option<bool>,
     /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
     /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
-    #[schema(value_type = Option<Direction>, inline)]
-    pub gravity: Option<[f64; 3]>,
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3, minimum = -1.001, maximum = 1.001)]
+    pub gravity: Option<Gravity>,
     /// The classes of which anchors are made from now on; empty means every class.
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
@@ -102,9 +101,9 @@ pub struct MapView {
     #[from(of.properties.metric)]
     pub metric: bool,
     /// The unit vector of gravity in the frame of each of its sessions; left out while it is not known.
-    #[schema(value_type = Option<Direction>, inline)]
-    #[from(of.properties.gravity.map(|gravity| gravity.as_given()))]
-    pub gravity: Option<[f64; 3]>,
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3, minimum = -1.001, maximum = 1.001)]
+    #[from(of.properties.gravity)]
+    pub gravity: Option<Gravity>,
     /// The classes of which anchors are made, sorted; empty means every class.
     #[from(of.properties.anchor_classes)]
     pub anchor_classes: Vec<String>,
@@ -166,17 +165,16 @@ const FIELDS: [&str; 6] = ["description", "metric", "gravity", "anchor_classes",
 impl Decode for NewMap {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let map = node.object(&[&FIELDS[..], &["base"]].concat())?;
-        let base = map.optional("base", base);
+        let base = map.optional("base", MapBase::decode);
         let patch = patch(&map)?;
         Some(Self { patch, base: base? })
     }
 }
 
-fn base(node: &Node<'_>) -> Option<MapBase> {
-    let body = node.object(&["map", "release"])?;
-    let map = body.required("map", read::id);
-    let release = body.optional("release", read::id);
-    Some(MapBase { map: map?, release: release? })
+impl From<MapBaseShape> for MapBase {
+    fn from(MapBaseShape { map, release }: MapBaseShape) -> Self {
+        Self { map, release }
+    }
 }
 
 impl Decode for MapPatch {
@@ -208,7 +206,7 @@ impl From<MapPatch> for MapPatchBody {
         Self {
             description,
             metric,
-            gravity: gravity.map(|gravity| gravity.as_given()),
+            gravity,
             anchor_classes,
             code_classes,
             settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),

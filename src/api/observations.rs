@@ -2,65 +2,60 @@
 
 use std::collections::{HashMap, HashSet};
 
-use revisit_shapes::answer;
+use revisit_shapes::{answer, body};
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::decoding::read::{self, Decode, Node};
-use super::keyframe::{CovisibleShape, OBSERVES, PointNumber, ascending, covisible, unique};
+use super::decoding::column::{Column, Number, Packed};
+use super::decoding::read::{Decode, Members as _, Node};
+use super::keyframe::{CovisibleShape, ascending, covisible, filled, named_once, others_than};
 use super::limits;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
-use crate::domain::request::{ChangedKeyframe, ChangedObservations};
+use crate::domain::request::{self, ChangedObservations};
 
 /// Changes that a robot's map made to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body(ChangedObservations)]
 pub struct ObservationsBody {
     /// The session.
-    #[schema(
-        default = "default",
-        min_length = 1,
-        max_length = 128,
-        pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$"
-    )]
-    pub session: Option<String>,
+    #[schema(default = "default")]
+    #[id]
+    pub session: Option<SessionId>,
     /// Fused map points, `[old, new]` each: who observed the old one observes the new one from now on. The new one keeps its
     /// position, or takes the old one's. No point is fused twice; `[1,2]` and `[2,3]` make both of them 3.
-    #[schema(max_items = 10_000, value_type = Option<Vec<FusedPoints>>, inline)]
-    pub replaced: Option<Vec<Vec<i64>>>,
+    #[schema(max_items = 10_000, inline)]
+    #[read(fused)]
+    pub replaced: Option<Vec<FusedPoints>>,
     /// Culled map points: nobody observes them any more.
-    #[schema(max_items = 10_000, value_type = Option<Vec<PointNumber>>, inline)]
+    #[schema(max_items = 10_000, minimum = 0)]
+    #[read(|node| culled(node, &replaced))]
     pub removed: Option<Vec<i64>>,
     /// Keyframes of the session of which there is more to say, none twice.
-    #[schema(max_items = 1_000)]
+    #[schema(max_items = 1_000, value_type = Option<Vec<ChangedKeyframe>>)]
+    #[read(|node| changed_keyframes(node, &replaced, &removed))]
     pub keyframes: Option<Vec<ChangedKeyframeShape>>,
 }
 
 /// Two map points that are one: the number that goes, and the number that stays.
-#[derive(ToSchema)]
-#[schema(min_items = 2, max_items = 2)]
-pub struct FusedPoints(
-    #[expect(dead_code, reason = "a schema only")]
-    #[schema(inline)]
-    Vec<PointNumber>,
-);
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(transparent)]
+#[schema(value_type = Vec<i64>, min_items = 2, max_items = 2, minimum = 0)]
+pub struct FusedPoints(pub [PointId; 2]);
 
 /// The map points and covisible keyframes of a keyframe, as the robot's map has them now.
-#[answer]
-#[serde(deny_unknown_fields)]
-#[schema(as = ChangedKeyframe)]
+#[body(sent ChangedKeyframe)]
+#[schema(as = ChangedKeyframeLists)]
 pub struct ChangedKeyframeShape {
     /// The keyframe.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub keyframe: String,
+    #[id]
+    pub keyframe: KeyframeId,
     /// All map points that it observes, those of its features included; a feature whose point is not listed observes none.
     /// Left out: what it observed, as far as points were not fused or culled.
-    #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
+    #[schema(max_items = 100_000, minimum = 0)]
+    #[column(observes_i64, I64)]
     pub observes: Option<Vec<i64>>,
-    /// The same, packed: base64 of little-endian 64-bit signed numbers.
-    #[schema(max_length = 1_066_668)]
-    pub observes_i64: Option<String>,
     /// Covisible keyframes besides those declared before, or with another number of shared points; each must exist.
     #[schema(max_items = 10_000)]
+    #[read(|node| others(node, keyframe.as_ref()))]
     pub covisible: Option<Vec<CovisibleShape>>,
 }
 
@@ -78,45 +73,26 @@ pub struct ObservationsAnswer {
     pub anchors_merged: usize,
 }
 
-impl Decode for ChangedObservations {
+impl Decode for FusedPoints {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["session", "replaced", "removed", "keyframes"])?;
-        let session = body.optional("session", read::id::<SessionId>);
-        let replaced = body.optional("replaced", replaced);
-        let fused: HashSet<PointId> =
-            replaced.iter().flatten().flatten().map(|(old, _): &(PointId, PointId)| *old).collect();
-        let removed = body.optional("removed", |node| {
-            unique(node, limits::FUSED_POINTS, |point| {
-                let id = point.whole(limits::POINT)?;
-                if fused.contains(&id) {
-                    return point.refuse("this map point is replaced, too", "one of the two");
-                }
-                Some(id)
-            })
-        });
-        let culled: HashSet<PointId> = removed.iter().flatten().flatten().copied().collect();
-        let mut names = HashSet::new();
-        let keyframes = body.optional("keyframes", |node| {
-            node.list(limits::CHANGED_KEYFRAMES, |entry| {
-                changed_keyframe(entry, &mut names, |id| fused.contains(&id) || culled.contains(&id))
-            })
-        });
-        Some(Self {
-            session: session?.unwrap_or_default(),
-            replaced: replaced?.unwrap_or_default(),
-            removed: removed?.unwrap_or_default(),
-            keyframes: keyframes?.unwrap_or_default(),
-        })
+        let numbers = node.list(2, |point| point.whole(limits::POINT))?;
+        let Ok(points) = numbers.try_into() else { return node.refuse("not two map points", "[old, new]") };
+        Some(Self(points))
     }
 }
 
-fn replaced(node: &Node<'_>) -> Option<Vec<(PointId, PointId)>> {
+const OBSERVES: Column = Column {
+    list: "observes",
+    packed: Some(Packed { name: "observes_i64", number: Number::I64, row: None }),
+};
+
+/// A member as it was read: `None` if it is wrong, `Some(None)` if it is missing.
+type Read<T> = Option<Option<Vec<T>>>;
+
+fn fused(node: &Node<'_>) -> Option<Vec<FusedPoints>> {
     let (mut fused, mut ends) = (HashSet::new(), Ends::default());
     node.list(limits::FUSED_POINTS, |pair| {
-        let numbers = pair.list(2, |point| point.whole(limits::POINT))?;
-        let [old, new] = numbers[..] else {
-            return pair.refuse("not two map points", "[old, new]");
-        };
+        let points @ FusedPoints([old, new]) = FusedPoints::decode(pair)?;
         if !fused.insert(old) {
             return pair.refuse("this map point is replaced twice", "each one once");
         }
@@ -125,8 +101,71 @@ fn replaced(node: &Node<'_>) -> Option<Vec<(PointId, PointId)>> {
             return pair.refuse("this map point is replaced by itself", "another map point");
         }
         ends.after.insert(old, new);
-        Some((old, new))
+        Some(points)
     })
+}
+
+fn goes(replaced: &Read<FusedPoints>) -> HashSet<PointId> {
+    replaced.iter().flatten().flatten().map(|FusedPoints([old, _])| *old).collect()
+}
+
+fn culled(node: &Node<'_>, replaced: &Read<FusedPoints>) -> Option<Vec<PointId>> {
+    let fused = goes(replaced);
+    node.unique(limits::FUSED_POINTS, |point| {
+        let id = point.whole(limits::POINT)?;
+        if fused.contains(&id) {
+            return point.refuse("this map point is replaced, too", "one of the two");
+        }
+        Some(id)
+    })
+}
+
+fn changed_keyframes(
+    node: &Node<'_>,
+    replaced: &Read<FusedPoints>,
+    removed: &Read<PointId>,
+) -> Option<Vec<ChangedKeyframeShape>> {
+    let mut gone = goes(replaced);
+    gone.extend(removed.iter().flatten().flatten());
+    let mut names = HashSet::new();
+    node.list(limits::CHANGED_KEYFRAMES, |entry| {
+        let changed = named_once(entry, &mut names, ChangedKeyframeShape::decode)?;
+        if changed.observes.iter().flatten().any(|point| gone.contains(point)) {
+            let object = entry.object(&ChangedKeyframeShape::names())?;
+            object.optional_column(OBSERVES, |node| {
+                node.each(limits::MAP_POINTS, |_, point| stays(point, &gone))
+            })?;
+        }
+        Some(changed)
+    })
+}
+
+fn stays(point: &Node<'_>, gone: &HashSet<PointId>) -> Option<()> {
+    if gone.contains(&point.whole(limits::POINT)?) {
+        return point.refuse("this request replaces or removes this map point", "a map point that stays");
+    }
+    Some(())
+}
+
+fn others(node: &Node<'_>, keyframe: Option<&KeyframeId>) -> Option<Vec<CovisibleShape>> {
+    let others = others_than(node, keyframe);
+    (covisible(node).zip(others)).map(|(listed, ())| listed)
+}
+
+impl From<ObservationsBody> for ChangedObservations {
+    fn from(body: ObservationsBody) -> Self {
+        let changed = |of: ChangedKeyframeShape| request::ChangedKeyframe {
+            keyframe: of.keyframe,
+            observes: of.observes.map(ascending),
+            covisible: of.covisible.into_iter().flatten().map(|of| (of.keyframe, of.shared)).collect(),
+        };
+        Self {
+            session: body.session.unwrap_or_default(),
+            replaced: body.replaced.into_iter().flatten().map(|FusedPoints([old, new])| (old, new)).collect(),
+            removed: body.removed.unwrap_or_default(),
+            keyframes: body.keyframes.into_iter().flatten().map(changed).collect(),
+        }
+    }
 }
 
 /// The ends of replaced points. Each search shortens the ways that it went, so that no chain is followed again and again.
@@ -147,59 +186,20 @@ impl Ends {
     }
 }
 
-fn changed_keyframe(
-    entry: &Node<'_>,
-    names: &mut HashSet<KeyframeId>,
-    is_gone: impl Fn(PointId) -> bool,
-) -> Option<ChangedKeyframe> {
-    let body = entry.object(&["keyframe", OBSERVES.list, OBSERVES.packed, "covisible"])?;
-    let keyframe = body.required("keyframe", |node| {
-        let keyframe: KeyframeId = read::id(node)?;
-        if !names.insert(keyframe.clone()) {
-            return node.refuse("the keyframe is listed twice", "each keyframe once");
-        }
-        Some(keyframe)
-    });
-    let observes = body.optional_column(OBSERVES, |node| {
-        node.list(limits::MAP_POINTS, |point| {
-            let id = point.whole(limits::POINT)?;
-            if is_gone(id) {
-                return point
-                    .refuse("this request replaces or removes this map point", "a map point that stays");
-            }
-            Some(id)
-        })
-    });
-    let covisible = body.optional("covisible", |node| covisible(node, keyframe.as_ref()));
-    let (observes, covisible) = (observes?, covisible?);
-    Some(ChangedKeyframe {
-        keyframe: keyframe?,
-        observes: observes.map(ascending),
-        covisible: covisible.unwrap_or_default(),
-    })
-}
-
 impl From<ChangedObservations> for ObservationsBody {
     fn from(changed: ChangedObservations) -> Self {
-        let ChangedObservations { session, replaced, removed, keyframes } = changed;
-        let keyframe = |of: ChangedKeyframe| ChangedKeyframeShape {
-            keyframe: of.keyframe.to_string(),
+        let keyframe = |of: request::ChangedKeyframe| ChangedKeyframeShape {
+            keyframe: of.keyframe,
             observes: of.observes,
-            observes_i64: None,
-            covisible: (!of.covisible.is_empty()).then(|| {
-                let shape = |(keyframe, shared): (KeyframeId, u32)| CovisibleShape {
-                    keyframe: keyframe.to_string(),
-                    shared,
-                };
-                of.covisible.into_iter().map(shape).collect()
-            }),
+            covisible: filled(of.covisible.into_iter().map(CovisibleShape::from).collect()),
         };
-        let pair = |(old, new): (PointId, PointId)| vec![old, new];
         Self {
-            session: Some(session.to_string()),
-            replaced: (!replaced.is_empty()).then(|| replaced.into_iter().map(pair).collect()),
-            removed: (!removed.is_empty()).then_some(removed),
-            keyframes: (!keyframes.is_empty()).then(|| keyframes.into_iter().map(keyframe).collect()),
+            session: Some(changed.session),
+            replaced: filled(
+                changed.replaced.into_iter().map(|(old, new)| FusedPoints([old, new])).collect(),
+            ),
+            removed: filled(changed.removed),
+            keyframes: filled(changed.keyframes.into_iter().map(keyframe).collect()),
         }
     }
 }

@@ -1,43 +1,38 @@
 //! Poses: what the client's optimisation corrected, in one piece (`openapi/openapi.yaml`).
 
-use revisit_shapes::answer;
+use revisit_shapes::{answer, body};
 
-use super::decoding::read::{self, Decode, Node};
-use super::keyframe::{PointsShape, SentPoints, points};
-use super::limits;
+use super::decoding::read::Node;
+use super::keyframe::{PointsShape, SentMapPoints};
 use super::space::Transform;
 use crate::domain::ids::{KeyframeId, SessionId};
 use crate::domain::request::PoseCorrection;
-use crate::geometry::Pose;
 
 /// Corrected poses and map points of one session; all of it is taken over, or nothing.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body(checked PoseCorrection)]
 pub struct PosesBody {
     /// The session.
-    #[schema(
-        default = "default",
-        min_length = 1,
-        max_length = 128,
-        pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$"
-    )]
-    pub session: Option<String>,
+    #[schema(default = "default")]
+    #[id]
+    pub session: Option<SessionId>,
     /// Its keyframes with their corrected poses.
     pub keyframes: Option<PoseList>,
     /// Its map points at their corrected positions.
-    #[schema(value_type = Option<SentPoints>)]
+    #[schema(value_type = Option<SentMapPoints>)]
     pub map_points: Option<PointsShape>,
 }
 
 /// Keyframes and their poses: two lists in parallel.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body]
 pub struct PoseList {
     /// The keyframes, none twice.
-    #[schema(max_items = 100_000, value_type = Vec<super::names::Id>, inline)]
-    pub ids: Vec<String>,
+    #[schema(max_items = 100_000)]
+    #[id]
+    #[unique]
+    pub ids: Vec<KeyframeId>,
     /// `map_from_camera` of each in the session's frame, in metres.
     #[schema(max_items = 100_000)]
+    #[parallel(ids)]
     pub poses: Vec<Transform>,
 }
 
@@ -53,16 +48,15 @@ pub struct PosesAnswer {
     pub map_points: usize,
 }
 
-impl Decode for PoseCorrection {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["session", "keyframes", "map_points"])?;
-        let session = body.optional("session", read::id::<SessionId>);
-        let keyframes = body.optional("keyframes", keyframes);
-        let map_points = body.optional("map_points", points);
-        Some(Self {
-            session: session?.unwrap_or_default(),
-            keyframes: keyframes?.unwrap_or_default(),
-            map_points: map_points?.unwrap_or_default(),
+impl PosesBody {
+    fn checked(self, _: &Node<'_>) -> Option<PoseCorrection> {
+        let keyframes = self.keyframes.map(|PoseList { ids, poses }| {
+            ids.into_iter().zip(poses).map(|(id, pose)| Some((id, pose.pose()?))).collect::<Option<_>>()
+        });
+        Some(PoseCorrection {
+            session: self.session.unwrap_or_default(),
+            keyframes: keyframes.unwrap_or_else(|| Some(Vec::new()))?,
+            map_points: self.map_points.map(PointsShape::ascending).unwrap_or_default(),
         })
     }
 }
@@ -70,21 +64,13 @@ impl Decode for PoseCorrection {
 impl From<PoseCorrection> for PosesBody {
     fn from(correction: PoseCorrection) -> Self {
         let PoseCorrection { session, keyframes, map_points } = correction;
-        let keyframes = keyframes.into_iter().map(|(id, pose)| (id.to_string(), Transform::from(pose)));
+        let keyframes = keyframes.into_iter().map(|(id, pose)| (id, Transform::from(pose)));
         let (ids, poses) = keyframes.unzip();
         let keyframes = PoseList { ids, poses };
         Self {
-            session: Some(session.to_string()),
+            session: Some(session),
             keyframes: (!keyframes.ids.is_empty()).then_some(keyframes),
             map_points: (!map_points.is_empty()).then(|| map_points.into()),
         }
     }
-}
-
-fn keyframes(node: &Node<'_>) -> Option<Vec<(KeyframeId, Pose)>> {
-    let body = node.object(&["ids", "poses"])?;
-    let ids = body.required("ids", |node| super::keyframe::unique(node, limits::CORRECTIONS, read::id));
-    let poses = body.required("poses", |node| node.list(limits::CORRECTIONS, Pose::decode));
-    body.parallel("ids", "poses")?;
-    Some(ids?.into_iter().zip(poses?).collect())
 }

@@ -1,39 +1,42 @@
 //! Merge of sessions: the client's two maps became one (`openapi/openapi.yaml`).
 
-use revisit_shapes::answer;
+use std::collections::HashSet;
 
-use super::decoding::read::{self, Decode, Node};
+use revisit_shapes::{answer, body};
+
+use super::decoding::read::{Decode as _, Node};
 use super::limits;
 use super::observations::FusedPoints;
-use super::space::{SimilarityShape, similarity};
-use crate::domain::ids::{PointId, SessionId};
+use super::space::SimilarityShape;
+use crate::domain::ids::SessionId;
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::geometry::Sim3;
 
 /// The session that another one merges into, and how; all of it is taken over, or nothing.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body(checked MergeFields)]
 pub struct MergeBody {
     /// The session that the keyframes are of from now on. One that is not there yet is begun.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub into: String,
+    #[id]
+    pub into: SessionId,
     /// Maps points of the session's frame into the frame of `into`.
     pub into_from_session: SimilarityShape,
     /// The numbers that its map points get; left out, they keep theirs.
+    #[read(RenumberingShape::one_way)]
     pub map_points: Option<RenumberingShape>,
 }
 
 /// The numbers that the map points of a session get: by `offset` or by `ids`. A point whose new number is taken is that point,
 /// which keeps its position.
-#[answer]
-#[serde(deny_unknown_fields)]
+#[body]
 #[schema(as = Renumbering)]
 pub struct RenumberingShape {
     /// This is added to the number of each.
+    #[read(|node: &Node<'_>| node.whole(-i64::MAX..=i64::MAX))]
     pub offset: Option<i64>,
     /// `[old, new]` for each that gets another number, no old one twice; the others keep theirs.
     #[schema(max_items = 100_000, value_type = Option<Vec<FusedPoints>>, inline)]
-    pub ids: Option<Vec<Vec<i64>>>,
+    #[read(renumbered)]
+    pub ids: Option<Vec<FusedPoints>>,
 }
 
 /// Two sessions are one.
@@ -76,43 +79,38 @@ impl MergeFields {
     }
 }
 
-impl Decode for MergeFields {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["into", "into_from_session", "map_points"])?;
-        let into = body.required("into", read::id::<SessionId>);
-        let into_from_session = body.required("into_from_session", similarity);
-        let map_points = body.optional("map_points", renumbering);
-        Some(Self {
-            into: into?,
-            into_from_session: into_from_session?,
-            map_points: map_points?.unwrap_or_default(),
-        })
-    }
-}
-
-fn renumbering(node: &Node<'_>) -> Option<Renumbering> {
-    let body = node.object(&["offset", "ids"])?;
-    let offset = body.optional("offset", |node| node.whole(limits::POINT_OFFSET));
-    let ids = body.optional("ids", pairs);
-    match (offset?, ids?) {
-        (Some(_), Some(_)) => node.refuse("an offset and single numbers", "one of the two"),
-        (Some(offset), None) => Some(Renumbering::Offset(offset)),
-        (None, Some(ids)) => Some(Renumbering::Listed(ids)),
-        (None, None) => Some(Renumbering::Same),
-    }
-}
-
-fn pairs(node: &Node<'_>) -> Option<Vec<(PointId, PointId)>> {
-    let mut listed = std::collections::HashSet::new();
-    node.list(limits::CORRECTIONS, |pair| {
-        let numbers = pair.list(2, |point| point.whole(limits::POINT))?;
-        let [old, new] = numbers[..] else {
-            return pair.refuse("not two map points", "[old, new]");
+impl MergeBody {
+    fn checked(self, _: &Node<'_>) -> Option<MergeFields> {
+        let map_points = match self.map_points {
+            Some(RenumberingShape { offset: Some(offset), .. }) => Renumbering::Offset(offset),
+            Some(RenumberingShape { ids: Some(ids), .. }) => {
+                Renumbering::Listed(ids.into_iter().map(|FusedPoints([old, new])| (old, new)).collect())
+            }
+            _ => Renumbering::Same,
         };
-        if !listed.insert(old) {
+        let into_from_session = self.into_from_session.sim3()?;
+        Some(MergeFields { into: self.into, into_from_session, map_points })
+    }
+}
+
+impl RenumberingShape {
+    fn one_way(node: &Node<'_>) -> Option<Self> {
+        let shape = Self::decode(node)?;
+        if shape.offset.is_some() && shape.ids.is_some() {
+            return node.refuse("an offset and single numbers", "one of the two");
+        }
+        Some(shape)
+    }
+}
+
+fn renumbered(node: &Node<'_>) -> Option<Vec<FusedPoints>> {
+    let mut listed = HashSet::new();
+    node.list(limits::CORRECTIONS, |pair| {
+        let points = FusedPoints::decode(pair)?;
+        if !listed.insert(points.0[0]) {
             return pair.refuse("this map point is listed twice", "each one once");
         }
-        Some((old, new))
+        Some(points)
     })
 }
 
@@ -122,14 +120,10 @@ impl From<SessionMergeRequest> for MergeBody {
             Renumbering::Same => None,
             Renumbering::Offset(offset) => Some(RenumberingShape { offset: Some(offset), ids: None }),
             Renumbering::Listed(pairs) => {
-                let ids = pairs.into_iter().map(|(old, new)| vec![old, new]).collect();
+                let ids = pairs.into_iter().map(|(old, new)| FusedPoints([old, new])).collect();
                 Some(RenumberingShape { offset: None, ids: Some(ids) })
             }
         };
-        Self {
-            into: merge.into.to_string(),
-            into_from_session: (&merge.into_from_session).into(),
-            map_points,
-        }
+        Self { into: merge.into, into_from_session: (&merge.into_from_session).into(), map_points }
     }
 }

@@ -5,9 +5,10 @@ use std::fmt::Display;
 
 use super::names::Name;
 use super::settings::MapSettings;
-use super::space::{Time, Transform};
+use super::space::{SimilarityShape, Time, Transform};
+use crate::domain::ids::{KeyframeId, LoopId, SessionId};
 use crate::domain::keyframe::Stamp;
-use crate::geometry::Pose;
+use crate::geometry::{Gravity, Pose, Sim3};
 use crate::named::Named;
 
 /// A type of answers that shows a type of the model.
@@ -27,7 +28,8 @@ macro_rules! as_they_are {
     };
 }
 
-as_they_are!(bool, u8, u16, u32, u64, usize, i64, f64, MapSettings, BTreeMap<Box<str>, Vec<String>>);
+as_they_are!(bool, u8, u16, u32, u64, usize, i64, f64, Gravity, MapSettings, BTreeMap<Box<str>, Vec<String>>);
+as_they_are!(KeyframeId, LoopId, SessionId);
 
 /// Ids, and texts of every kind.
 impl<T: Display> Shown<T> for String {
@@ -69,5 +71,11 @@ impl Shown<Stamp> for Time {
 impl Shown<Pose> for Transform {
     fn shown(of: Pose) -> Self {
         of.into()
+    }
+}
+
+impl Shown<Sim3> for SimilarityShape {
+    fn shown(of: Sim3) -> Self {
+        (&of).into()
     }
 }

@@ -1,16 +1,17 @@
 //! Space and time: vectors, quaternions, transforms and stamps, written as ROS messages write them.
 
-use revisit_shapes::{answer, body};
+use revisit_shapes::body;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
-use super::decoding::read::{Decode, Node, Object};
+use super::decoding::read::{Decode, Node};
 use super::limits;
 use crate::domain::keyframe::Stamp;
-use crate::geometry::{Gravity, Point3, Pose, Sim3};
+use crate::geometry::{Gravity, Pose, Sim3};
 
 /// A vector, in metres.
-#[answer]
+#[body]
 #[derive(Copy)]
-#[serde(deny_unknown_fields)]
 pub struct Vector3 {
     /// Along x, in metres.
     #[schema(minimum = -1e9, maximum = 1e9)]
@@ -23,10 +24,21 @@ pub struct Vector3 {
     pub z: f64,
 }
 
+/// `[x,y,z]`, in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(transparent)]
+#[schema(value_type = Vec<f64>, min_items = 3, max_items = 3, minimum = -1e9, maximum = 1e9)]
+pub struct Position(pub [f64; 3]);
+
+impl Decode for Position {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        node.numbers(limits::COORDINATE_M).map(Self)
+    }
+}
+
 /// A rotation as a unit quaternion, without unit; a norm more than 1 % off one is refused.
-#[answer]
+#[body]
 #[derive(Copy)]
-#[serde(deny_unknown_fields)]
 pub struct Quaternion {
     /// Imaginary part, i.
     #[schema(minimum = -1.01, maximum = 1.01)]
@@ -43,13 +55,13 @@ pub struct Quaternion {
 }
 
 /// A rigid transformation, as ROS `geometry_msgs/Transform`.
-#[answer]
+#[body]
 #[derive(Copy)]
-#[serde(deny_unknown_fields)]
 pub struct Transform {
     /// In metres.
     pub translation: Vector3,
     /// A unit quaternion.
+    #[read(rotation)]
     pub rotation: Quaternion,
 }
 
@@ -65,45 +77,32 @@ pub struct Time {
     pub nanosec: u32,
 }
 
-impl Decode for Pose {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        rigid(&node.object(&["translation", "rotation"])?)
+impl Transform {
+    /// Returns the pose; `None` if the quaternion is none of length one.
+    pub fn pose(self) -> Option<Pose> {
+        let Self { translation: at, rotation: by } = self;
+        Pose::new([at.x, at.y, at.z], [by.x, by.y, by.z, by.w])
     }
 }
 
-/// Reads the two parts of a rigid transformation.
-pub(super) fn rigid(transform: &Object<'_>) -> Option<Pose> {
-    let translation = transform.required("translation", |node| {
-        let vector = node.object(&["x", "y", "z"])?;
-        let [x, y, z] = ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
-        Some([x?, y?, z?])
-    });
-    let rotation = transform.required("rotation", |node| {
-        let quaternion = node.object(&["x", "y", "z", "w"])?;
-        let parts = ["x", "y", "z", "w"];
-        let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
-        // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
-        if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value().get(part)?.as_f64())
-            && Pose::new([0.0; 3], [x, y, z, w]).is_none()
-        {
-            let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
-            let detail = format!("not a unit quaternion: its norm is {norm}");
-            return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
-        }
-        Some([x?, y?, z?, w?])
-    });
-    Pose::new(translation?, rotation?)
+/// Reads a quaternion of length one.
+fn rotation(node: &Node<'_>) -> Option<Quaternion> {
+    let read = Quaternion::decode(node);
+    // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
+    if let [Some(x), Some(y), Some(z), Some(w)] =
+        ["x", "y", "z", "w"].map(|part| node.value().get(part)?.as_f64())
+        && Pose::new([0.0; 3], [x, y, z, w]).is_none()
+    {
+        let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
+        let detail = format!("not a unit quaternion: its norm is {norm}");
+        return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
+    }
+    read
 }
 
 impl From<Time> for Stamp {
     fn from(Time { sec, nanosec }: Time) -> Self {
         Self { sec, nanosec }
-    }
-}
-
-impl Decode for Point3 {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        node.numbers::<3>(limits::COORDINATE_M).map(Self::from)
     }
 }
 
@@ -142,14 +141,14 @@ pub fn rounded(number: f64) -> f64 {
 }
 
 /// A similarity transformation: scaled, rotated, then moved.
-#[answer]
+#[body]
 #[derive(Copy)]
-#[serde(deny_unknown_fields)]
 #[schema(as = SentSimilarity)]
 pub struct SimilarityShape {
     /// In metres.
     pub translation: Vector3,
     /// A unit quaternion.
+    #[read(rotation)]
     pub rotation: Quaternion,
     /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
     #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
@@ -163,12 +162,12 @@ impl From<&Sim3> for SimilarityShape {
     }
 }
 
-/// Reads a similarity transformation.
-pub fn similarity(node: &Node<'_>) -> Option<Sim3> {
-    let body = node.object(&["translation", "rotation", "scale"])?;
-    let scale = body.optional("scale", |node| node.number(limits::SCALE));
-    let pose = rigid(&body);
-    Some(Sim3::scaled(pose?, scale?.unwrap_or(1.0)))
+impl SimilarityShape {
+    /// Returns the transformation; `None` if the quaternion is none of length one.
+    pub fn sim3(self) -> Option<Sim3> {
+        let Self { translation, rotation, scale } = self;
+        Some(Sim3::scaled(Transform { translation, rotation }.pose()?, scale.unwrap_or(1.0)))
+    }
 }
 
 #[cfg(test)]

@@ -89,13 +89,8 @@ pub async fn play(client: &Client, kind: Kind, seed: u64, arm: Method) -> Result
         if let (Some(answer), Some(place)) = (&answer, place)
             && answer.verdict.0 == Decision::Loop
         {
-            let closed = LoopBody {
-                id: format!("loop-{number}"),
-                keyframe: keyframe.id.clone(),
-                candidate: place.keyframe.clone(),
-                query: Some(answer.id.clone()),
-                candidate_from_query: None,
-            };
+            let id = format!("loop-{number}");
+            let closed = LoopBody::found(&id, &keyframe.id, &place.keyframe, answer.id.clone())?;
             client.post_loop(&map, &closed).await?;
         }
         let has_truth = all[..number].iter().any(|other| standing(keyframe, other) == Standing::Right);

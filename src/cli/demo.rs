@@ -15,7 +15,7 @@ use super::serve::LOCAL;
 use super::signals::stop_on_signal;
 use crate::api::loops::LoopBody;
 use crate::api::release::ReleaseBody;
-use crate::client::Client;
+use crate::client::{Client, ClientError};
 use crate::config::listen;
 use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
@@ -160,13 +160,9 @@ async fn second_robot(client: &Client, tour: &Sequence) -> Result<String, Failur
             continue;
         }
         if loops % LOOPS_EVERY == 0 && confirmed < SECOND_CONFIRMED {
-            let body = LoopBody {
-                id: format!("met-{confirmed}"),
-                keyframe: keyframe.clone(),
-                candidate: place.0.to_owned(),
-                query: Some(answer.id.clone()),
-                candidate_from_query: None,
-            };
+            let id = format!("met-{confirmed}");
+            let body =
+                LoopBody::found(&id, keyframe, place.0, answer.id.clone()).map_err(ClientError::from)?;
             client.post_loop(MAP, &body).await?;
             confirmed += 1;
         }

@@ -7,6 +7,8 @@ use reqwest::StatusCode;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::domain::ids::IdError;
+
 /// A body that is not problem+json is quoted up to this many characters.
 const QUOTED_CHARACTERS: usize = 200;
 
@@ -24,6 +26,9 @@ pub enum ClientError {
     /// An id that no URL can carry.
     #[error("{0:?} cannot be used as an id: a URL cannot carry it")]
     Id(String),
+    /// An id that no server takes.
+    #[error(transparent)]
+    BadId(#[from] IdError),
     /// The server was not reached, or did not answer.
     #[error("{url}: {}", root_cause(.source))]
     Transport {

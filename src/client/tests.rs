@@ -124,17 +124,11 @@ async fn a_search_is_sent_as_parameters_and_a_typed_body_as_its_shape() {
         ..AnchorSearch::default()
     };
     client.list_anchors("m", &search).await.expect("an answer");
-    let new = LoopBody {
-        id: "l".to_owned(),
-        keyframe: "k2".to_owned(),
-        candidate: "k1".to_owned(),
-        query: None,
-        candidate_from_query: None,
-    };
+    let new = LoopBody::found("l", "k2", "k1", "q".to_owned()).expect("ids");
     client.post_loop("m", &new).await.expect_err("not its answer");
     let seen = seen(&log);
     assert_eq!(seen[0].0, "GET /v1/maps/m/anchors?text=a%20b&state=valid&limit=2");
-    assert_eq!(seen[1].2, json!({"id": "l", "keyframe": "k2", "candidate": "k1"}));
+    assert_eq!(seen[1].2, json!({"id": "l", "keyframe": "k2", "candidate": "k1", "query": "q"}));
 }
 
 #[tokio::test]

@@ -71,19 +71,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
             }],
             ..NewKeyframe::at(format!("kf-{seq}").parse().unwrap(), Stamp { sec: 1, nanosec: 0 }, pose)
         };
-        let keyframe = Keyframe {
-            seq: KeyframeSeq(seq),
-            id: new.id.clone(),
-            session,
-            stamp: new.stamp,
-            map_from_camera: pose,
-            camera: None,
-            gravity: None,
-            observes: Vec::new().into(),
-            declared: None,
-            renamed: None,
-            bytes: new.bytes(),
-        };
+        let keyframe = Keyframe::arriving(KeyframeSeq(seq), session, &new, None);
         let mut changes = Vec::new();
         if seq < 2 {
             changes.push(Change::SessionAdded(session, new.session.clone()));

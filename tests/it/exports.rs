@@ -32,6 +32,7 @@ pub fn keyframe(session: &str, seconds: u32, x: f64, plate: &str) -> Value {
         "pose": pose([x, 0.1, 0.0]),
         "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
         "gravity": [0.6, 0.8, 0.0],
+        "height_m": 37.5,
         "global_descriptor": {"model": "test", "encoding": "int8", "data": "ZFqwAw=="},
         "bow": {"words": [3, 17, 40 + first, 41 + first], "weights": [0.4, 0.1, 1.0, 0.35]},
         "features": {"descriptor_bytes": 8, "descriptors": base64_zeros(ids.len() * 8), "keypoints": keypoints, "map_points": ids},

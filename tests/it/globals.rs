@@ -61,6 +61,7 @@ async fn gravity_and_descriptors_are_given_back_as_sent_and_a_retry_is_told_from
     server.put("/v1/maps/m", &json!({})).await.expect(409);
     let mut sent = with_descriptor("megaloc", "int8", HERE);
     sent["gravity"] = json!([0.0004, 1.0004, 0.0]);
+    sent["height_m"] = json!(-3.25);
     let path = "/v1/maps/m/keyframes/here";
     server.put(path, &sent).await.expect(201);
     for id in ["elsewhere", "nearly"] {
@@ -77,10 +78,9 @@ async fn gravity_and_descriptors_are_given_back_as_sent_and_a_retry_is_told_from
     let before = ask(&server).await;
     let ([map, read], verdict) = &before;
     assert_eq!(map["gravity"], json!([0.0, 1.0, 0.0]));
-    assert_eq!(
-        (&read["gravity"], &read["global_descriptor"]),
-        (&sent["gravity"], &sent["global_descriptor"])
-    );
+    for field in ["gravity", "height_m", "global_descriptor"] {
+        assert_eq!(read[field], sent[field], "{field}");
+    }
     // Only the third channel finds it, and leaves open what it is.
     assert_eq!(verdict["candidates"].as_array().map(Vec::len), Some(1));
     let candidate = &verdict["candidates"][0];
@@ -93,8 +93,11 @@ async fn gravity_and_descriptors_are_given_back_as_sent_and_a_retry_is_told_from
     let server = Server::on(folder.path()).await;
     assert_eq!(ask(&server).await, before);
     assert_eq!(server.put(path, &sent).await.header("idempotent-replayed"), "true");
-    sent["gravity"] = json!([0.0, 1.0, 0.0]);
-    server.put(path, &sent).await.expect(409);
+    for (field, other) in [("height_m", json!(-3.5)), ("gravity", json!([0.0, 1.0, 0.0]))] {
+        let mut sent = sent.clone();
+        sent[field] = other;
+        server.put(path, &sent).await.expect(409);
+    }
     // A query without a descriptor says nothing of channels.
     let verdict = server.post("/v1/maps/m/loop-queries", &json!({"inline": keyframe()})).await.expect(200);
     assert_eq!(verdict["candidates"], json!([]));

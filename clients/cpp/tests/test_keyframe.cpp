@@ -39,6 +39,8 @@ static void a_bad_keyframe_is_refused_with_its_field() {
         {"/bow/weights/3", [](Keyframe& k) { k.bow.weights[3] = -1; }},
         {"/bow/weights/3", [](Keyframe& k) { k.bow.weights[3] = nan_value; }},
         {"/gravity", [](Keyframe& k) { k.gravity = Vector3{0, 0, 0}; }},
+        {"/height_m", [](Keyframe& k) { k.height_m = 100'001; }},
+        {"/height_m", [](Keyframe& k) { k.height_m = nan_value; }},
         {"/features/descriptor_bytes", [](Keyframe& k) { k.features.descriptor_bytes = 33; }},
         {"/features/descriptors", [](Keyframe& k) { k.features.descriptors.pop_back(); }},
         {"/features/map_points", [](Keyframe& k) { k.features.map_points.pop_back(); }},

@@ -130,6 +130,7 @@ static void what_the_check_accepts_the_server_accepts() {
         [](Keyframe& k) { k.features.keypoints[0].angle_deg = std::nanf(""); },
         [](Keyframe& k) { k.features = {512, std::vector<std::uint8_t>(512), {{1, 2, 0, 0}}, {}}; },
         [](Keyframe& k) { k.gravity = Vector3{0, 0.9995, 0}; },
+        [](Keyframe& k) { k.height_m = -1e5; },
         [](Keyframe& k) { k.camera = Camera{0.001, 1e6, -1e6, 1e6, 1, 1'000'000}; },
         [](Keyframe& k) { k.observes = {0, std::numeric_limits<std::int64_t>::max()}; },
         [](Keyframe& k) { k.detections = samples::plate("a", 1, 0, "9").detections, k.detections[0].is_range_assumed = true; },

@@ -708,6 +708,10 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera
     held upright.
     """
+    height_m: float | None = None
+    """The height that a barometer tells, in metres above a level of the session's own: it sees a lift that
+    odometry does not. Stored and answered; no verdict rests on it yet.
+    """
     bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
     global_descriptor: GlobalDescriptor | None = None
@@ -793,7 +797,9 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class ChangedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """The map points and covisible keyframes of a keyframe, as the robot's map has them now."""
+    """The map points and covisible keyframes of a keyframe, as the robot's map has them now. Long lists
+    may be packed.
+    """
 
     keyframe: str
     """The keyframe."""
@@ -1031,7 +1037,7 @@ class Features(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The descriptors one after the other, in base64."""
     keypoints: list[list[float]]
     """One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid
-    level and degrees.
+    level and degrees. Packed, an angle that is not a number is none.
     """
     map_points: list[int] | None = None
     """The map point that each feature observes, -1 for none; left out if none does."""
@@ -1257,7 +1263,9 @@ class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required."""
+    """A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
+    Long lists may be packed.
+    """
 
     stamp: Time
     """When it was taken."""
@@ -1272,6 +1280,10 @@ class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     gravity: list[float] | None = None
     """The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera
     held upright.
+    """
+    height_m: float | None = None
+    """The height that a barometer tells, in metres above a level of the session's own: it sees a lift that
+    odometry does not. Stored and answered; no verdict rests on it yet.
     """
     bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
@@ -1381,6 +1393,8 @@ class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The camera."""
     gravity: list[float] | None = None
     """The unit vector of gravity in the camera frame, as sent."""
+    height_m: float | None = None
+    """The height that a barometer tells, in metres, as sent."""
     global_descriptor: GlobalDescriptor | None = None
     """The vector of the whole image."""
     features: Features | None = None
@@ -2279,16 +2293,16 @@ class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class SentBagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """A bag of words: two columns in parallel, in any order, each as a list or packed."""
+    """A bag of words: two lists in parallel, in any order. Long lists may be packed."""
 
-    words: list[int] | None = None
+    words: list[int]
     """The words, none twice. This or `words_u32` is required."""
     words_u32: str | None = None
-    """The words, packed: base64 of little-endian 32-bit unsigned numbers."""
+    """The same, packed: base64 of little-endian 32-bit unsigned numbers."""
     weights: list[float] | None = None
     """Their weights, without unit; normalised to sum to one on arrival. This or `weights_f64` is required."""
     weights_f64: str | None = None
-    """Their weights, packed: base64 of little-endian 64-bit floats."""
+    """The same, packed: base64 of little-endian 64-bit floats."""
     vocabulary: str | None = None
     """Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into
     one map.
@@ -2296,7 +2310,7 @@ class SentBagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class SentFeatures(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """Binary features: columns in parallel, each as a list or packed."""
+    """Binary features: three lists in parallel. Long lists may be packed."""
 
     descriptor_bytes: int
     """Bytes of one descriptor: 32 for ORB, 64 for BRISK."""
@@ -2304,29 +2318,28 @@ class SentFeatures(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The descriptors one after the other, in base64."""
     keypoints: list[list[float]] | None = None
     """One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid
-    level and degrees. This or `keypoints_f32` is required.
+    level and degrees. Packed, an angle that is not a number is none. This or `keypoints_f32` is
+    required.
     """
     keypoints_f32: str | None = None
-    """The keypoints, packed: base64 of little-endian 32-bit floats, u, v, octave and angle of each; an
-    angle that is not a number is none.
-    """
+    """The same, packed: base64 of little-endian 32-bit floats, 4 for each item."""
     map_points: list[int] | None = None
     """The map point that each feature observes, -1 for none; left out if none does."""
     map_points_i64: str | None = None
-    """The map points, packed: base64 of little-endian 64-bit signed numbers."""
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
 
 
 class SentMapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """Positions of map points: two columns in parallel, each as a list or packed."""
+    """Positions of map points: two lists in parallel. Long lists may be packed."""
 
     ids: list[int] | None = None
     """The points' numbers in their session, none twice. This or `ids_i64` is required."""
     ids_i64: str | None = None
-    """The points' numbers, packed: base64 of little-endian 64-bit signed numbers."""
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     positions: list[list[float]] | None = None
     """`[x,y,z]` of each in the session's frame, in metres. This or `positions_f64` is required."""
     positions_f64: str | None = None
-    """The positions, packed: base64 of little-endian 64-bit floats, x, y and z of each."""
+    """The same, packed: base64 of little-endian 64-bit floats, 3 for each item."""
 
 
 class SentSimilarity(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2653,7 +2666,9 @@ class Uncertainty(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class UnplacedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """A keyframe of an unknown place. Nothing is required; what can be compared is compared."""
+    """A keyframe of an unknown place. Nothing is required; what can be compared is compared. Long lists
+    may be packed.
+    """
 
     session: str | None = None
     """Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may
@@ -2662,7 +2677,7 @@ class UnplacedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     observes: list[int] | None = None
     """Not listened to."""
     observes_i64: str | None = None
-    """Not listened to."""
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
     """Not listened to."""
     stamp: Time | None = None
@@ -2675,6 +2690,8 @@ class UnplacedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The undistorted pinhole camera."""
     gravity: list[float] | None = None
     """The unit vector of gravity in the camera's frame."""
+    height_m: float | None = None
+    """The height that a barometer tells, in metres. Not listened to."""
     bow: SentBagOfWords | None = None
     """The bag of words."""
     global_descriptor: GlobalDescriptor | None = None

@@ -10,7 +10,7 @@ use super::global_descriptor::GlobalDescriptor;
 use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
-use super::keyframe::{Camera, Stamp};
+use super::keyframe::{Camera, NewKeyframe, Stamp};
 use super::map::MapProperties;
 pub use super::observation_update::{Declared, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
 use super::point_list::PointList;
@@ -35,6 +35,8 @@ pub struct Keyframe {
     pub camera: Option<Camera>,
     /// Gravity in the camera frame, if known.
     pub gravity: Option<Gravity>,
+    /// The height that a barometer tells, in metres above a level of the session's own, if known.
+    pub height_m: Option<f64>,
     /// The map points it observes, ascending.
     pub observes: PointList,
     /// The covisible keyframes that the client declared.
@@ -47,6 +49,35 @@ pub struct Keyframe {
 }
 
 impl Keyframe {
+    /// Returns what the index keeps of a keyframe that arrives.
+    pub fn arriving(seq: KeyframeSeq, session: SessionSeq, new: &NewKeyframe, declared: Declared) -> Self {
+        Self {
+            seq,
+            id: new.id.clone(),
+            session,
+            stamp: new.stamp,
+            map_from_camera: new.map_from_camera,
+            camera: new.camera,
+            gravity: new.gravity,
+            height_m: new.height_m,
+            observes: new.observes.as_slice().into(),
+            declared,
+            renamed: None,
+            bytes: new.bytes(),
+        }
+    }
+
+    /// Returns the keyframe as a client sends it, as far as it is no list: its session has this name.
+    pub fn without_lists(&self, session: SessionId) -> NewKeyframe {
+        NewKeyframe {
+            session,
+            camera: self.camera,
+            gravity: self.gravity,
+            height_m: self.height_m,
+            ..NewKeyframe::at(self.id.clone(), self.stamp, self.map_from_camera)
+        }
+    }
+
     /// Returns the covisible keyframes that the client declared.
     pub fn declared(&self) -> &[(KeyframeSeq, u32)] {
         self.declared.as_deref().unwrap_or_default()

@@ -153,6 +153,8 @@ pub struct NewKeyframe {
     pub camera: Option<Camera>,
     /// Gravity in the camera frame, if the client knows it.
     pub gravity: Option<Gravity>,
+    /// The height that a barometer tells, in metres above a level of the session's own.
+    pub height_m: Option<f64>,
     /// Its bag of words; empty for a blank wall.
     pub bow: BowVector,
     /// Whose words these are: a vocabulary's fingerprint, or [`CLIENTS_VOCABULARY`]. `None` if the client sent no bag of words.
@@ -186,6 +188,7 @@ impl NewKeyframe {
             map_from_camera,
             camera: None,
             gravity: None,
+            height_m: None,
             bow: BowVector::default(),
             vocabulary: None,
             global_descriptor: None,
@@ -214,6 +217,7 @@ impl NewKeyframe {
             + POSE
             + self.camera.map_or(0, |_| CAMERA)
             + self.gravity.map_or(0, |_| GRAVITY)
+            + self.height_m.map_or(0, |_| NUMBER)
             + self.global_descriptor.as_ref().map_or(0, GlobalDescriptor::bytes);
         let numbers =
             self.observes.len() + self.map_points.len() + self.declared().len() + self.bow.words().len();

@@ -5,14 +5,21 @@
 
 use super::document::{Document, Token};
 
-/// A column and the names of its two forms.
+/// A column and its two forms.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// The field with a list.
     pub list: &'static str,
-    /// The field with packed numbers.
-    pub packed: &'static str,
-    /// Their type.
+    /// The field with packed numbers, if it may be packed.
+    pub packed: Option<Packed>,
+}
+
+/// The packed form of a column.
+#[derive(Clone, Copy, Debug)]
+pub struct Packed {
+    /// The field's name.
+    pub name: &'static str,
+    /// The type of its numbers.
     pub number: Number,
     /// The number of them in an item; none if an item is a number itself.
     pub row: Option<usize>,
@@ -52,7 +59,7 @@ impl Number {
     }
 }
 
-impl Column {
+impl Packed {
     /// Returns the packed bytes of an item.
     pub(super) const fn item_bytes(self) -> usize {
         self.number.bytes()
@@ -63,7 +70,7 @@ impl Column {
     }
 
     /// Returns how many items a string of base64 packs, as far as its length tells.
-    pub(super) fn packed_len(self, text: &str) -> usize {
+    pub(super) fn item_count(self, text: &str) -> usize {
         text.trim_end_matches('=').len() * 3 / 4 / self.item_bytes()
     }
 

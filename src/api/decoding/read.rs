@@ -4,11 +4,13 @@
 //! So a body becomes a [`Document`] first, and this reader takes the model out of it. Each method returns `None` after
 //! it noted a fault; callers read all fields before they give up on any.
 
+use std::collections::HashSet;
 use std::fmt::Display;
+use std::hash::Hash;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use super::column::Column;
+use super::column::{Column, Packed};
 use super::document::{Document, Json, Kind};
 use super::faults::{Faults, kind, push_segment, shown};
 use crate::domain::counted::counted;
@@ -130,6 +132,11 @@ impl<'a> Node<'a> {
         self.refuse(format!("expected {what}, not {}", kind(self.value)), what)
     }
 
+    /// Notes a fault of a member of this object.
+    pub fn refuse_member<T>(&self, name: &str, detail: impl Into<String>, limit: impl Display) -> Option<T> {
+        self.child(Step::Name(name), self.value.get(name).unwrap_or(self.value)).refuse(detail, limit)
+    }
+
     /// Returns a list, each item read by `read`; all faults of all items are noted.
     pub fn list<T>(&self, max: usize, mut read: impl FnMut(&Node<'_>) -> Option<T>) -> Option<Vec<T>> {
         let mut list = Vec::with_capacity(self.value.len().min(max));
@@ -150,6 +157,29 @@ impl<'a> Node<'a> {
         if list.len() < *range.start() {
             return self.refuse("the list is empty", format!("{} to {} items", range.start(), range.end()));
         }
+        Some(list)
+    }
+
+    /// Reads a list in which nothing may be twice; the second one is a fault.
+    pub fn unique<T: Clone + Ord + Hash>(
+        &self,
+        max: usize,
+        mut read: impl FnMut(&Node<'_>) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let mut list: Vec<T> = Vec::with_capacity(self.value.len().min(max));
+        // Ascending lists, which is what most clients send, need no set.
+        let mut seen = None;
+        self.each(max, |_, item| {
+            let value = read(item)?;
+            if seen.is_some() || list.last().is_some_and(|last| *last >= value) {
+                let seen = seen.get_or_insert_with(|| list.iter().cloned().collect::<HashSet<T>>());
+                if !seen.insert(value.clone()) {
+                    return item.refuse("listed twice", "each one once");
+                }
+            }
+            list.push(value);
+            Some(())
+        })?;
         Some(list)
     }
 
@@ -247,10 +277,11 @@ impl Object<'_> {
         column: Column,
         read: impl FnOnce(&Node<'_>) -> Option<T>,
     ) -> Option<Option<T>> {
-        let Some(packed) = self.node.value.get(column.packed) else {
+        let packed = column.packed.and_then(|packed| Some((packed, self.node.value.get(packed.name)?)));
+        let Some((packed, value)) = packed else {
             return self.optional(column.list, read);
         };
-        let node = self.node.child(Step::Name(column.packed), packed);
+        let node = self.node.child(Step::Name(packed.name), value);
         if self.has(column.list) {
             return node.note(|pointer| {
                 FieldError::new(pointer, format!("{} has the same numbers, as a list", column.list))
@@ -258,8 +289,8 @@ impl Object<'_> {
             });
         }
         let bytes = node.bytes()?;
-        let Some(list) = column.unpack(&bytes) else {
-            let limit = format!("{} bytes for each item", column.item_bytes());
+        let Some(list) = packed.unpack(&bytes) else {
+            let limit = format!("{} bytes for each item", packed.item_bytes());
             return node.refuse_as("the last item is not whole", format!("{} bytes", bytes.len()), limit);
         };
         read(&node.child(Step::Unpacked, list.root())).map(Some)
@@ -267,35 +298,24 @@ impl Object<'_> {
 
     /// Reads a column that must be there.
     pub fn required_column<T>(&self, column: Column, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<T> {
-        if self.has(column.packed) {
+        if column.packed.is_some_and(|packed| self.has(packed.name)) {
             self.optional_column(column, read)?
         } else {
             self.required(column.list, read)
         }
     }
 
-    /// Two columns that run in parallel must be equally long; the second one is told off.
-    pub fn parallel_columns(&self, first: Column, second: Column) -> Option<()> {
+    /// Checks that two columns that run in parallel are equally long; the second one is told off.
+    pub fn parallel(&self, first: Column, second: Column) -> Option<()> {
         let form = |column: Column| {
-            let packed = self.node.value.get(column.packed).and_then(Json::as_str);
-            let packed = packed.map(|text| (column.packed, column.packed_len(text)));
-            packed.or_else(|| Some((column.list, self.list_len(column.list)?)))
+            let text = |packed: Packed| self.node.value.get(packed.name)?.as_str();
+            if let Some((packed, text)) = column.packed.and_then(|packed| Some((packed, text(packed)?))) {
+                return Some((packed.name, packed.item_count(text)));
+            }
+            let list = self.node.value.get(column.list).filter(|value| value.kind() == Kind::List)?;
+            Some((column.list, list.len()))
         };
-        self.equal(form(first), form(second))
-    }
-
-    /// Two lists that run in parallel must be equally long; the second one is told off.
-    pub fn parallel(&self, first: &str, second: &str) -> Option<()> {
-        let list = |name| Some((name, self.list_len(name)?));
-        self.equal(list(first), list(second))
-    }
-
-    fn list_len(&self, name: &str) -> Option<usize> {
-        self.node.value.get(name).filter(|value| value.kind() == Kind::List).map(Json::len)
-    }
-
-    fn equal(&self, first: Option<(&str, usize)>, second: Option<(&str, usize)>) -> Option<()> {
-        match (first, second) {
+        match (form(first), form(second)) {
             (Some((first, wanted)), Some((second, got))) if wanted != got => self.note(second, |pointer| {
                 FieldError::new(pointer, format!("must be as long as {first}"))
                     .got(counted(got, "item"))

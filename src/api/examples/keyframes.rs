@@ -18,7 +18,7 @@ pub fn keyframe_body() -> Value {
         "features": {
             "descriptor_bytes": 8,
             "descriptors": "AAECAwQFBgcICQoLDA0ODw==",
-            "keypoints": [[100.5, 80.25], [310.0, 200.0, 2.0, 45.0]],
+            "keypoints": [[100.5, 80.25, 0.0], [310.0, 200.0, 2.0, 45.0]],
             "map_points": [12, -1]
         },
         "map_points": {"ids": [12, 13], "positions": [[0.5, 0.0, 2.0], [0.75, 0.25, 2.0]]},

@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::global_descriptor::GlobalDescriptorShape;
-use super::number_shape::Direction;
+use super::keypoint::KeypointShape;
 use super::original::is_named;
 use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
-use crate::api::decoding::base64;
+use crate::api::decoding::base64::Base64;
 use crate::api::names::{AnchorStateName, IgnoredReasonName};
 use crate::api::space::{Time, Transform};
 use crate::api::verdict::LoopAnswer;
 use crate::domain::anchor::{AnchorState, Outcome};
 use crate::domain::bow::BowVector;
-use crate::domain::ids::{KeyframeId, PointId};
-use crate::domain::keyframe::{Camera, Detection, Features, Keypoint};
+use crate::domain::ids::KeyframeId;
+use crate::domain::keyframe::{Detection, Features};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
-use crate::geometry::Point3;
+use crate::geometry::Gravity;
 
 /// Said of a keyframe that is covisible with none, though its session has others.
 const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the robot has just left may be answered as a loop: \
@@ -82,8 +82,10 @@ pub struct KeyframeView {
     /// The camera.
     pub camera: Option<CameraShape>,
     /// The unit vector of gravity in the camera frame, as sent.
-    #[schema(value_type = Option<Direction>, inline)]
-    pub gravity: Option<[f64; 3]>,
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3, minimum = -1.001, maximum = 1.001)]
+    pub gravity: Option<Gravity>,
+    /// The height that a barometer tells, in metres, as sent.
+    pub height_m: Option<f64>,
     /// The bag of words, words ascending, weights summing to one.
     pub bow: BowShape,
     /// The vector of the whole image.
@@ -190,8 +192,6 @@ impl KeyframeView {
     /// A keyframe at a version of its map.
     pub fn of(map_version: u64, record: KeyframeRecord) -> Self {
         let KeyframeRecord { keyframe, detections: outcomes, has_crop, covisible } = record;
-        let numbers = |(id, point): (PointId, Point3)| (id, [point.x, point.y, point.z]);
-        let (ids, positions) = keyframe.map_points.into_iter().map(numbers).unzip();
         Self {
             id: keyframe.id.to_string(),
             map_version,
@@ -199,14 +199,15 @@ impl KeyframeView {
             stamp: keyframe.stamp.into(),
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(CameraShape::from),
-            gravity: keyframe.gravity.map(|gravity| gravity.as_given()),
+            gravity: keyframe.gravity,
+            height_m: keyframe.height_m,
             bow: BowShape {
                 vocabulary: keyframe.vocabulary.map(Into::into).filter(is_named),
                 ..(&keyframe.bow).into()
             },
             global_descriptor: keyframe.global_descriptor.map(Into::into),
             features: keyframe.features.map(FeaturesShape::from),
-            map_points: PointsShape { ids, positions },
+            map_points: keyframe.map_points.into(),
             observes: keyframe.observes,
             covisible: keyframe.covisible.into_iter().flatten().map(CovisibleShape::from).collect(),
             covisible_total: covisible,
@@ -246,14 +247,7 @@ impl From<(KeyframeId, u32)> for CovisibleView {
 
 impl From<(KeyframeId, u32)> for CovisibleShape {
     fn from((keyframe, shared): (KeyframeId, u32)) -> Self {
-        Self { keyframe: keyframe.to_string(), shared }
-    }
-}
-
-impl From<Camera> for CameraShape {
-    fn from(camera: Camera) -> Self {
-        let Camera { fx, fy, cx, cy, width, height } = camera;
-        Self { fx, fy, cx, cy, width, height }
+        Self { keyframe, shared }
     }
 }
 
@@ -271,15 +265,10 @@ impl From<&BowVector> for BowShape {
 
 impl From<Features> for FeaturesShape {
     fn from(features: Features) -> Self {
-        let numbers = |keypoint: &Keypoint| {
-            let mut numbers = vec![keypoint.u, keypoint.v, f64::from(keypoint.octave)];
-            numbers.extend(keypoint.angle_deg);
-            numbers
-        };
         Self {
             descriptor_bytes: features.descriptor_bytes as u32,
-            descriptors: base64::encode(&features.descriptors),
-            keypoints: features.keypoints.iter().map(numbers).collect(),
+            descriptors: Base64(features.descriptors),
+            keypoints: features.keypoints.into_iter().map(KeypointShape).collect(),
             map_points: Some(features.map_points.iter().map(|point| point.unwrap_or(-1)).collect()),
         }
     }

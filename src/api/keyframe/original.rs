@@ -2,10 +2,11 @@
 
 use std::collections::HashSet;
 
+use super::crop::CropShape;
 use super::shape::{
     BowShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName,
 };
-use crate::api::decoding::base64;
+use crate::api::space::Position;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::PointId;
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, Detection, NewKeyframe};
@@ -15,7 +16,6 @@ impl From<NewKeyframe> for KeyframeBody {
     fn from(keyframe: NewKeyframe) -> Self {
         // Features without words are sent so on purpose, or a server would compute some.
         let says_words = !keyframe.bow.is_empty() || keyframe.features.is_some();
-        let gravity = keyframe.gravity.map(|gravity| gravity.as_given());
         let NewKeyframe {
             bow, vocabulary, global_descriptor, features, observes, map_points, covisible, ..
         } = keyframe;
@@ -23,11 +23,12 @@ impl From<NewKeyframe> for KeyframeBody {
             features.iter().flat_map(|features| features.map_points.iter().flatten().copied()).collect();
         let observes: Vec<i64> = observes.into_iter().filter(|id| !named.contains(id)).collect();
         Self {
-            session: Some(keyframe.session.to_string()),
+            session: Some(keyframe.session),
             stamp: keyframe.stamp.into(),
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(Into::into),
-            gravity,
+            gravity: keyframe.gravity,
+            height_m: keyframe.height_m,
             bow: says_words.then(|| exactly(&bow, vocabulary.map(Into::into).filter(is_named))),
             global_descriptor: global_descriptor.map(Into::into),
             features: features.map(|features| {
@@ -36,7 +37,6 @@ impl From<NewKeyframe> for KeyframeBody {
             }),
             map_points: (!map_points.is_empty()).then(|| map_points.into()),
             observes: filled(observes),
-            observes_i64: None,
             covisible: covisible.map(|listed| listed.into_iter().map(CovisibleShape::from).collect()),
             detections: filled(keyframe.detections.into_iter().map(DetectionShape::from).collect()),
         }
@@ -48,7 +48,7 @@ pub(super) fn is_named(vocabulary: &String) -> bool {
     vocabulary != CLIENTS_VOCABULARY
 }
 
-fn filled<T>(list: Vec<T>) -> Option<Vec<T>> {
+pub(in crate::api) fn filled<T>(list: Vec<T>) -> Option<Vec<T>> {
     (!list.is_empty()).then_some(list)
 }
 
@@ -66,7 +66,7 @@ fn exactly(bow: &BowVector, vocabulary: Option<String>) -> BowShape {
 
 impl From<Vec<(PointId, Point3)>> for PointsShape {
     fn from(points: Vec<(PointId, Point3)>) -> Self {
-        let (ids, positions) = points.into_iter().map(|(id, at)| (id, [at.x, at.y, at.z])).unzip();
+        let (ids, positions) = points.into_iter().map(|(id, at)| (id, Position(at.coords.into()))).unzip();
         Self { ids, positions }
     }
 }
@@ -82,7 +82,7 @@ impl From<Detection> for DetectionShape {
             range: detection.range_assumed.then_some(RangeName::Assumed),
             text: detection.text,
             description: detection.description,
-            crop: detection.crop.map(|crop| base64::encode(&crop.bytes)),
+            crop: detection.crop.map(CropShape),
         }
     }
 }

@@ -1,39 +1,39 @@
 //! The question: keyframes of an unknown place, and the maps they are held against.
 
-use revisit_shapes::{answer, body};
+use revisit_shapes::body;
 
-use crate::api::decoding::read::{self, Decode, Node};
+use crate::api::decoding::read::{Decode as _, Node};
 use crate::api::keyframe::{
-    BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, GlobalDescriptorShape, PointsShape,
-    unplaced,
+    BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, GlobalDescriptorShape,
+    KeyframeBody, PointsShape, SentBagOfWords, SentFeatures, SentMapPoints, features,
 };
-use crate::api::limits;
 use crate::api::space::{Time, Transform};
-use crate::domain::ids::{KeyframeId, MapId, SessionId};
+use crate::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use crate::domain::key::MapPattern;
-use crate::domain::location::{ASKED_KEYFRAMES_MAX, LocateRequest, LocationHint};
-use crate::geometry::Point3;
+use crate::domain::location::{AskedKeyframe, LocateRequest, LocationHint};
+use crate::geometry::{Gravity, Point3, Pose};
 
 /// "Where am I?" Exactly one of `keyframe` and `keyframes`.
-#[answer]
+#[body(checked LocateRequest)]
 #[derive(Default)]
-#[serde(deny_unknown_fields)]
 pub struct LocateBody {
     /// What the camera sees.
+    #[schema(value_type = Option<UnplacedKeyframe>)]
     pub keyframe: Option<UnplacedKeyframeBody>,
     /// What the camera sees in one moment or on one short drive. With a `pose` each, all in one frame, their signs are
     /// compared together. The answer's poses are those of the first one.
-    #[schema(min_items = 1, max_items = 16)]
+    #[schema(value_type = Option<Vec<UnplacedKeyframe>>, min_items = 1, max_items = 16)]
     pub keyframes: Option<Vec<UnplacedKeyframeBody>>,
     /// The maps to ask, as ids in which `*` stands for any characters; at most 64 maps. Left out: every map that the key may
     /// query.
-    #[schema(max_items = 100)]
-    pub maps: Option<Vec<String>>,
+    #[schema(max_items = 100, value_type = Option<Vec<String>>)]
+    pub maps: Option<Vec<MapPattern>>,
     /// The release of each map that is asked; maps without a release of this name are left out, and one that `maps` names must have
     /// it. Left out: the maps as they stand.
-    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
-    pub release: Option<String>,
+    #[id]
+    pub release: Option<ReleaseName>,
     /// A guess. It decides what is looked at first, and never what the answer is.
+    #[read(LocateHintBody::consistent)]
     pub hint: Option<LocateHintBody>,
     /// Keyframes that are no candidates, say those of the robot's own drive.
     pub exclude: Option<LocateExcludeBody>,
@@ -46,23 +46,23 @@ pub struct LocateBody {
 }
 
 /// A keyframe of an unknown place. Nothing is required; what can be compared is compared.
-#[answer]
+#[body(sent UnplacedKeyframe)]
 #[derive(Default)]
-#[serde(deny_unknown_fields)]
-#[schema(as = UnplacedKeyframe)]
+#[schema(as = UnplacedKeyframeLists)]
 pub struct UnplacedKeyframeBody {
     /// Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may be asked about as it
     /// is, and not listened to.
     #[schema(max_length = 128)]
+    #[ignored]
     pub session: Option<String>,
     /// Not listened to.
-    #[schema(max_items = 100_000, value_type = Option<Vec<crate::api::keyframe::PointNumber>>, inline)]
+    #[schema(max_items = 100_000, minimum = 0)]
+    #[column(observes_i64, I64)]
+    #[ignored]
     pub observes: Option<Vec<i64>>,
     /// Not listened to.
-    #[schema(max_length = 1_066_668)]
-    pub observes_i64: Option<String>,
-    /// Not listened to.
     #[schema(max_items = 10000)]
+    #[ignored]
     pub covisible: Option<Vec<CovisibleShape>>,
     /// When it was taken.
     pub stamp: Option<Time>,
@@ -72,18 +72,22 @@ pub struct UnplacedKeyframeBody {
     /// The undistorted pinhole camera.
     pub camera: Option<CameraShape>,
     /// The unit vector of gravity in the camera's frame.
-    #[schema(value_type = Option<crate::api::keyframe::Direction>, inline)]
-    pub gravity: Option<[f64; 3]>,
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3, minimum = -1.001, maximum = 1.001)]
+    pub gravity: Option<Gravity>,
+    /// The height that a barometer tells, in metres. Not listened to.
+    #[schema(minimum = -1e5, maximum = 1e5)]
+    pub height_m: Option<f64>,
     /// The bag of words.
-    #[schema(value_type = Option<crate::api::keyframe::SentBow>)]
+    #[schema(value_type = Option<SentBagOfWords>)]
     pub bow: Option<BowShape>,
     /// A global descriptor of the image.
     pub global_descriptor: Option<GlobalDescriptorShape>,
     /// Binary features.
-    #[schema(value_type = Option<crate::api::keyframe::SentFeatures>)]
+    #[schema(value_type = Option<SentFeatures>)]
+    #[read(features)]
     pub features: Option<FeaturesShape>,
     /// Map points of the robot's own, in its own frame.
-    #[schema(value_type = Option<crate::api::keyframe::SentPoints>)]
+    #[schema(value_type = Option<SentMapPoints>)]
     pub map_points: Option<PointsShape>,
     /// The objects detected in it.
     #[schema(max_items = 500)]
@@ -91,7 +95,7 @@ pub struct UnplacedKeyframeBody {
 }
 
 /// A guess where the camera is.
-#[body(checked LocationHint)]
+#[body]
 #[derive(Default)]
 #[schema(as = LocateHint)]
 pub struct LocateHintBody {
@@ -124,56 +128,69 @@ pub struct LocateExcludeBody {
 /// Radius of a hint that tells none, in metres.
 const HINT_RADIUS_M: f64 = 10.0;
 /// Places of an answer whose question tells no number.
-const PLACES: i64 = 5;
+const PLACES: u32 = 5;
 
-impl Decode for LocateRequest {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let body =
-            node.object(&["keyframe", "keyframes", "maps", "release", "hint", "exclude", "max", "seed"])?;
-        let one = body.optional("keyframe", unplaced);
-        let several = body.optional("keyframes", |node| {
-            let keyframes = node.list(ASKED_KEYFRAMES_MAX, unplaced)?;
-            if keyframes.is_empty() {
-                return node.refuse("the list is empty", "1 to 16 keyframes");
+impl LocateBody {
+    fn checked(self, node: &Node<'_>) -> Option<LocateRequest> {
+        let keyframes = match (self.keyframe, self.keyframes) {
+            (Some(one), None) => vec![one],
+            (None, Some(several)) => several,
+            _ => {
+                return node
+                    .refuse("ask about one keyframe or several", "either \"keyframe\" or \"keyframes\"");
             }
-            Some(keyframes)
-        });
-        let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, MapPattern::decode));
-        let release = body.optional("release", read::id);
-        let hint = body.optional("hint", LocationHint::decode);
-        let exclude = body.optional("exclude", LocateExcludeBody::decode);
-        let max = body.optional("max", |node| node.whole(limits::LOCATE_PLACES));
-        let seed = body.optional("seed", |node| node.whole(limits::SEED));
-        if body.has("keyframe") == body.has("keyframes") {
-            return node.refuse("ask about one keyframe or several", "either \"keyframe\" or \"keyframes\"");
-        }
-        let keyframes = match (one?, several?) {
-            (Some(keyframe), _) => vec![keyframe],
-            (None, several) => several?,
         };
-        let exclude = exclude?.unwrap_or_default();
-        Some(Self {
-            keyframes,
-            maps: maps?.unwrap_or_default(),
-            release: release?,
-            hint: hint?.unwrap_or_default(),
+        let exclude = self.exclude.unwrap_or_default();
+        Some(LocateRequest {
+            keyframes: keyframes.into_iter().map(UnplacedKeyframeBody::asked).collect::<Option<_>>()?,
+            maps: self.maps.unwrap_or_default(),
+            release: self.release,
+            hint: self.hint.map(LocationHint::from).unwrap_or_default(),
             without_keyframes: exclude.keyframes.into_iter().flatten().collect(),
             without_sessions: exclude.sessions.into_iter().flatten().collect(),
-            max: max?.unwrap_or(PLACES).unsigned_abs() as usize,
-            seed: seed?.unwrap_or(0).unsigned_abs(),
+            max: self.max.unwrap_or(PLACES) as usize,
+            seed: self.seed.unwrap_or(0).unsigned_abs(),
         })
     }
 }
 
+impl UnplacedKeyframeBody {
+    /// Returns the keyframe that is asked about; it may be without a stamp and without a pose.
+    fn asked(self) -> Option<AskedKeyframe> {
+        let has_pose = self.pose.is_some();
+        let stamp = self.stamp.unwrap_or(Time { sec: 0, nanosec: 0 });
+        let pose = self.pose.unwrap_or_else(|| Pose::identity().into());
+        let keyframe = KeyframeBody {
+            camera: self.camera,
+            gravity: self.gravity,
+            height_m: self.height_m,
+            bow: self.bow,
+            global_descriptor: self.global_descriptor,
+            features: self.features,
+            map_points: self.map_points,
+            detections: self.detections,
+            ..KeyframeBody::at(stamp, pose)
+        };
+        Some(AskedKeyframe { keyframe: keyframe.inline()?, has_pose })
+    }
+}
+
 impl LocateHintBody {
-    fn checked(self, node: &Node<'_>) -> Option<LocationHint> {
-        if self.radius_m.is_some() && self.position.is_none() {
+    fn consistent(node: &Node<'_>) -> Option<Self> {
+        let hint = Self::decode(node)?;
+        if hint.radius_m.is_some() && hint.position.is_none() {
             return node.refuse("a radius needs a position", "both \"position\" and \"radius_m\"");
         }
-        Some(LocationHint {
-            map: self.map,
-            position: self.position.map(Point3::from),
-            radius_m: self.radius_m.unwrap_or(HINT_RADIUS_M),
-        })
+        Some(hint)
+    }
+}
+
+impl From<LocateHintBody> for LocationHint {
+    fn from(hint: LocateHintBody) -> Self {
+        Self {
+            map: hint.map,
+            position: hint.position.map(Point3::from),
+            radius_m: hint.radius_m.unwrap_or(HINT_RADIUS_M),
+        }
     }
 }

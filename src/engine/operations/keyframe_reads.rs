@@ -162,12 +162,6 @@ fn record(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, row: KeyframeRow)
     }
     Ok(KeyframeRecord {
         keyframe: NewKeyframe {
-            id: id.clone(),
-            session: index.sessions()[stored.session.index()].clone(),
-            stamp: stored.stamp,
-            map_from_camera: stored.map_from_camera,
-            camera: stored.camera,
-            gravity: stored.gravity,
             vocabulary: index.vocabulary().filter(|_| !row.bow.is_empty()).map(Into::into),
             bow: row.bow,
             global_descriptor: index.globals().get(seq),
@@ -176,6 +170,7 @@ fn record(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, row: KeyframeRow)
             observes: stored.observes.to_vec(),
             covisible: stored.declared.as_ref().map(|listed| listed.iter().filter_map(named).collect()),
             detections,
+            ..stored.without_lists(index.sessions()[stored.session.index()].clone())
         },
         detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
         has_crop,

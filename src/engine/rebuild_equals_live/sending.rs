@@ -54,6 +54,7 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
             let (sin, cos) = (f64::from(tilt) * 0.1).sin_cos();
             let keyframe = NewKeyframe {
                 gravity: Gravity::new([sin, cos, 0.0]),
+                height_m: Some(f64::from(tilt) * 3.5),
                 global_descriptor: Some(GlobalDescriptor {
                     model: "law".parse().unwrap(),
                     encoding: GlobalEncoding::Int8,

@@ -1,10 +1,6 @@
 //! The questions: each floor is a map, and a restart is asked against all of them, without a pose.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-
 use super::world::{Restart, RestartWorld};
-use crate::api::keyframe::FeaturesShape;
 use crate::api::location::{LocateAnswerView, LocateBody, UnplacedKeyframeBody};
 use crate::client::{Client, ClientError};
 use crate::geometry::{Point3, Pose};
@@ -38,7 +34,7 @@ pub async fn map_floors(client: &Client, seed: u64, world: &RestartWorld) -> Res
 pub async fn ask(client: &Client, seed: u64, restart: &Restart) -> Result<LocateAnswerView, ClientError> {
     let body = LocateBody {
         keyframes: Some(keyframes(restart)),
-        maps: Some(vec![format!("restart-{seed}-floor-*")]),
+        maps: Some(format!("restart-{seed}-floor-*").parse().into_iter().collect()),
         ..LocateBody::default()
     };
     client.locate(&body).await
@@ -65,12 +61,7 @@ fn keyframe(step: &Step, first_from_camera: &Pose) -> UnplacedKeyframeBody {
     UnplacedKeyframeBody {
         pose: Some((*first_from_camera).into()),
         camera: Some(CAMERA.into()),
-        features: Some(FeaturesShape {
-            descriptor_bytes: message::DESCRIPTOR_BYTES,
-            descriptors: STANDARD.encode(message::descriptor_bytes(step)),
-            keypoints: message::keypoints(step),
-            map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
-        }),
+        features: Some(message::features(step)),
         map_points: Some(message::points(&every)),
         detections: Some(message::detections(step)),
         ..UnplacedKeyframeBody::default()

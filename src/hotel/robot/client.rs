@@ -9,6 +9,7 @@ use super::slam_map::SlamMap;
 use crate::api::loops::LoopBody;
 use crate::api::verdict::LoopAnswer;
 use crate::client::{Client, ClientError};
+use crate::domain::ids::IdError;
 use crate::geometry::{Point3, Pose, Sim3};
 use crate::hotel::method::Method;
 use crate::hotel::sensing::camera::Stand;
@@ -181,8 +182,9 @@ impl<'a> Robot<'a> {
         self.closed += 1;
         let moved: Vec<usize> = (0..poses.len()).filter(|number| self.has_moved(*number)).collect();
         if !moved.is_empty() {
-            let keyframes: Vec<(String, Pose)> =
-                moved.iter().map(|number| (self.keyframe_id(*number), poses[*number])).collect();
+            let corrected = |number: &usize| Ok((self.keyframe_id(*number).parse()?, poses[*number]));
+            let keyframes = moved.iter().map(corrected).collect::<Result<Vec<_>, IdError>>();
+            let keyframes = keyframes.map_err(ClientError::from)?;
             let points: Vec<(u64, Point3)> = (self.slam_map.points().into_iter())
                 .filter(|(_, reference, _)| self.has_moved(*reference))
                 .map(|(id, _, place)| (id, place))
@@ -200,13 +202,10 @@ impl<'a> Robot<'a> {
         }
         // One loop per closing, the newest: the others are its neighbours.
         if let Some(closing) = self.waiting.drain(..).next_back() {
-            let body = LoopBody {
-                id: format!("{}-loop-{}", self.session, self.closed),
-                keyframe: closing.keyframe,
-                candidate: closing.closed_with.candidate,
-                query: Some(closing.closed_with.answer),
-                candidate_from_query: None,
-            };
+            let id = format!("{}-loop-{}", self.session, self.closed);
+            let LoopToClose { candidate, answer, .. } = closing.closed_with;
+            let body =
+                LoopBody::found(&id, &closing.keyframe, &candidate, answer).map_err(ClientError::from)?;
             self.client.post_loop(self.map, &body).await?;
         }
         Ok(())

@@ -1,13 +1,13 @@
 //! Message: the robot's requests, in the terms of the API document.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-
+use crate::api::decoding::base64::Base64;
 use crate::api::geometry::Similarity;
-use crate::api::keyframe::{DetectionShape, FeaturesShape, KeyframeBody, PointsShape};
+use crate::api::keyframe::{DetectionShape, FeaturesShape, KeyframeBody, KeypointShape, PointsShape};
 use crate::api::map::MapBody;
 use crate::api::poses::{PoseList, PosesBody};
-use crate::api::space::{Time, Transform};
+use crate::api::space::{Position, Time, Transform};
+use crate::domain::ids::KeyframeId;
+use crate::domain::keyframe::Keypoint;
 use crate::geometry::{Point3, Pose, Sim3};
 use crate::hotel::building::texture::{DESCRIPTOR_BITS, bytes};
 use crate::hotel::method::Method;
@@ -45,41 +45,30 @@ pub fn keyframe(
         .collect();
     let detections = if arm.sees_signs() { detections(step) } else { Vec::new() };
     let stamp_ns = number as u64 * STEP_NS;
+    let stamp = Time { sec: (stamp_ns / 1_000_000_000) as i64, nanosec: (stamp_ns % 1_000_000_000) as u32 };
     KeyframeBody {
-        session: Some(session.to_owned()),
-        stamp: Time { sec: (stamp_ns / 1_000_000_000) as i64, nanosec: (stamp_ns % 1_000_000_000) as u32 },
-        pose: map_from_camera.without_scale().into(),
+        session: session.parse().ok(),
         camera: Some(CAMERA.into()),
-        gravity: None,
-        bow: None,
-        global_descriptor: None,
-        features: Some(FeaturesShape {
-            descriptor_bytes: DESCRIPTOR_BYTES,
-            descriptors: STANDARD.encode(descriptor_bytes(step)),
-            keypoints: keypoints(step),
-            map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
-        }),
+        features: Some(features(step)),
         map_points: Some(points(&placed)),
-        observes: None,
-        observes_i64: None,
-        covisible: None,
         detections: Some(detections),
+        ..KeyframeBody::at(stamp, map_from_camera.without_scale().into())
     }
 }
 
-/// Returns the keypoints of a keyframe: u and v in pixels, the octave, and the angle in degrees.
-pub fn keypoints(step: &Step) -> Vec<Vec<f64>> {
+/// Returns the features of a keyframe, as exactly as a detector tells them.
+pub fn features(step: &Step) -> FeaturesShape {
     let keypoints = step.features.iter().map(|feature| {
-        let keypoint = feature.keypoint;
-        let angle_deg = keypoint.angle_deg.unwrap_or(0.0);
-        vec![
-            hundredths(keypoint.u),
-            hundredths(keypoint.v),
-            f64::from(keypoint.octave),
-            hundredths(angle_deg),
-        ]
+        let Keypoint { u, v, octave, angle_deg } = feature.keypoint;
+        let angle_deg = Some(hundredths(angle_deg.unwrap_or(0.0)));
+        KeypointShape(Keypoint { u: hundredths(u), v: hundredths(v), octave, angle_deg })
     });
-    keypoints.collect()
+    FeaturesShape {
+        descriptor_bytes: DESCRIPTOR_BYTES,
+        descriptors: Base64(descriptor_bytes(step)),
+        keypoints: keypoints.collect(),
+        map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
+    }
 }
 
 /// Returns the concatenated descriptors of a keyframe.
@@ -88,10 +77,10 @@ pub fn descriptor_bytes(step: &Step) -> Vec<u8> {
 }
 
 /// Returns corrected poses and points, after an optimisation.
-pub fn poses(session: &str, keyframes: &[(String, Pose)], moved_points: &[(u64, Point3)]) -> PosesBody {
+pub fn poses(session: &str, keyframes: &[(KeyframeId, Pose)], moved_points: &[(u64, Point3)]) -> PosesBody {
     let (ids, poses) = keyframes.iter().map(|(id, pose)| (id.clone(), Transform::from(*pose))).unzip();
     PosesBody {
-        session: Some(session.to_owned()),
+        session: session.parse().ok(),
         keyframes: Some(PoseList { ids, poses }),
         map_points: Some(points(moved_points)),
     }
@@ -127,7 +116,7 @@ pub fn detections(step: &Step) -> Vec<DetectionShape> {
 
 /// Returns map points with their positions, in metres.
 pub fn points(points: &[(u64, Point3)]) -> PointsShape {
-    let place = |(id, p): &(u64, Point3)| (*id as i64, [p.x, p.y, p.z].map(tenths_of_millimetres));
+    let place = |(id, p): &(u64, Point3)| (*id as i64, Position([p.x, p.y, p.z].map(tenths_of_millimetres)));
     let (ids, positions) = points.iter().map(place).unzip();
     PointsShape { ids, positions }
 }

@@ -6,7 +6,7 @@ use axum::response::Response;
 
 use crate::api::anchor::LocalAnchorMap;
 use crate::api::examples;
-use crate::api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use crate::api::keyframe::{Keyframe, KeyframeAnswer, KeyframeView};
 use crate::api::list::{CovisibleList, KeyframeList};
 use crate::api::map::MapVersion;
 use crate::api::verdict::LoopAnswer;
@@ -30,7 +30,7 @@ use crate::http::problem::Problem;
 /// under the same id is a conflict.
 #[utoipa::path(
     put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, KeyframeParams), security(("key" = ["write"])),
-    request_body(content = KeyframeBody, example = examples::keyframe_body),
+    request_body(content = Keyframe, example = examples::keyframe_body),
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
         (status = 200, description = "The same keyframe was already stored", body = KeyframeAnswer,

@@ -47,12 +47,7 @@ impl Export {
         map_points.sort_unstable_by_key(|(id, _)| *id);
         self.introduced.add(session, map_points.iter().map(|(id, _)| *id));
         Ok(NewKeyframe {
-            id: keyframe.id,
-            session: self.session(session)?.clone(),
-            stamp: keyframe.stamp,
             map_from_camera: self.history.pose(seq).unwrap_or(keyframe.map_from_camera),
-            camera: keyframe.camera,
-            gravity: keyframe.gravity,
             vocabulary: self.vocabulary.clone().filter(|_| !bow.is_empty()),
             bow,
             global_descriptor: decode::global_descriptor(row)?,
@@ -64,6 +59,7 @@ impl Export {
                 None => None,
             },
             detections,
+            ..keyframe.without_lists(self.session(session)?.clone())
         })
     }
 

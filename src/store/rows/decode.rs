@@ -29,6 +29,7 @@ pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), Sto
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
         gravity: gravity(row)?,
+        height_m: row.try_get("height_m")?,
         observes: integers_of::<i64>(row.try_get("observes")?)?.into(),
         declared: declared(row, "declared")?,
         renamed: None,

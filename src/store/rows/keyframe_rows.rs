@@ -43,7 +43,7 @@ pub(in crate::store) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, gravity, global_model, global_encoding, global_descriptor, stored_sec) ";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, gravity, height_m, global_model, global_encoding, global_descriptor, stored_sec) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
@@ -55,7 +55,7 @@ pub(in crate::store) async fn add_keyframes(
             row.push_bind(integers(&list.iter().map(|number| i64::from(*number)).collect::<Vec<_>>()));
         }
         row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
-        row.push_bind(keyframe.gravity.map(gravity_blob));
+        row.push_bind(keyframe.gravity.map(gravity_blob)).push_bind(keyframe.height_m);
         let global = rows.keyframe.global_descriptor.as_ref();
         row.push_bind(global.map(|of| of.model.as_str().to_owned()));
         row.push_bind(global.map(|of| of.encoding.as_str()));

@@ -94,6 +94,8 @@ struct Keyframe {
     Bow bow;
     /// Unit vector of gravity in the camera frame, where an IMU knows it.
     std::optional<Vector3> gravity;
+    /// Height by a barometer, in metres above a level of the session's own.
+    std::optional<double> height_m;
     Features features;
     MapPoints map_points;
     /// Points observed beyond those of `features.map_points`.
@@ -123,6 +125,7 @@ constexpr int max_octave = 63;
 constexpr int image_side_px = 1'000'000;
 constexpr double coordinate_m = 1e9;
 constexpr double pixel = 1e6;
+constexpr double height_m = 1e5;
 constexpr double weight = 1e30;
 constexpr double quaternion_norm_error = 0.01;
 constexpr double gravity_norm_error = 1e-3;
@@ -274,6 +277,7 @@ inline Status check(const Keyframe& keyframe) noexcept {
         }
         good = good && detail::check_features(checker, keyframe.features) && detail::check_map_points(checker, keyframe.map_points, limits::map_points) &&
                checker.points(keyframe.observes, limits::map_points, 0, "/observes") && checker.count(keyframe.covisible ? keyframe.covisible->size() : 0, limits::covisible, "/covisible");
+        if (good && keyframe.height_m) good = checker.number(*keyframe.height_m, limits::height_m, "/height_m");
         for (std::size_t i = 0; good && keyframe.covisible && i < keyframe.covisible->size(); ++i) good = checker.id((*keyframe.covisible)[i].keyframe, "/covisible/", i, "/keyframe");
         good = good && checker.count(keyframe.detections.size(), limits::detections, "/detections");
         for (std::size_t i = 0; good && i < keyframe.detections.size(); ++i) good = detail::check_detection(checker, keyframe.detections[i], i);

@@ -236,6 +236,7 @@ inline void append_keyframe(std::string& out, const Keyframe& keyframe, const Pr
         append_number(out += ',', g[2]);
         out += ']';
     }
+    if (keyframe.height_m) append_number(object.name("height_m"), *keyframe.height_m);
     if (!keyframe.features.keypoints.empty()) append_features(object.name("features"), keyframe.features, precision.keypoint_decimals);
     if (!keyframe.map_points.ids.empty()) append_map_points(object.name("map_points"), keyframe.map_points, precision.position_decimals);
     if (!keyframe.observes.empty()) append_integers(object, "observes", "observes_i64", keyframe.observes);

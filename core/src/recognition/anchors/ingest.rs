@@ -77,22 +77,9 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
     if let (None, Some(vocabulary), false) = (index.vocabulary(), &new.vocabulary, new.bow.is_empty()) {
         changes.push(Change::VocabularySet(vocabulary.clone()));
     }
-    let keyframe = Keyframe {
-        seq: index.next_keyframe(),
-        id: new.id.clone(),
-        session,
-        stamp: new.stamp,
-        map_from_camera: new.map_from_camera,
-        camera: new.camera,
-        gravity: new.gravity,
-        observes: new.observes.as_slice().into(),
-        declared: new
-            .covisible
-            .as_ref()
-            .map(|listed| listed.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect()),
-        renamed: None,
-        bytes: new.bytes(),
-    };
+    let declared = (new.covisible.as_ref())
+        .map(|listed| listed.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect());
+    let keyframe = Keyframe::arriving(index.next_keyframe(), session, new, declared);
     let seq = keyframe.seq;
     changes.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(new.bow.clone())));
     if let Some(descriptor) = &new.global_descriptor {

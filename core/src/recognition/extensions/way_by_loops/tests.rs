@@ -8,7 +8,7 @@ use super::*;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Loop};
 use crate::domain::ids::SessionSeq;
-use crate::domain::keyframe::Stamp;
+use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::map::MapProperties;
 use crate::geometry::Pose;
 
@@ -17,19 +17,13 @@ const UM: f64 = 1e6;
 /// A keyframe at `x_m`, that shares a point with the one before it unless tracking was lost.
 fn keyframe(seq: u32, session: u32, x_m: i32, is_lost: bool) -> Change {
     let points = if is_lost { vec![1000 + i64::from(seq)] } else { vec![i64::from(session)] };
-    let keyframe = Keyframe {
-        seq: KeyframeSeq(seq),
-        id: format!("kf-{seq}").parse().unwrap(),
-        session: SessionSeq(session),
-        stamp: Stamp { sec: i64::from(seq), nanosec: 0 },
-        map_from_camera: Pose::new([f64::from(x_m), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
-        camera: None,
-        gravity: None,
-        observes: points.into(),
-        declared: None,
-        renamed: None,
-        bytes: 0,
+    let pose = Pose::new([f64::from(x_m), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
+    let stamp = Stamp { sec: i64::from(seq), nanosec: 0 };
+    let new = NewKeyframe {
+        observes: points,
+        ..NewKeyframe::at(format!("kf-{seq}").parse().unwrap(), stamp, pose)
     };
+    let keyframe = Keyframe::arriving(KeyframeSeq(seq), SessionSeq(session), &new, None);
     Change::KeyframeAdded(Box::new(keyframe), Arc::new(BowVector::default()))
 }
 

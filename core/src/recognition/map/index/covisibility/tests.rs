@@ -10,7 +10,7 @@ use super::*;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Loop, PointsOfKeyframe};
 use crate::domain::ids::{KeyframeId, LoopId, PointId, SessionSeq};
-use crate::domain::keyframe::Stamp;
+use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::map::MapProperties;
 use crate::geometry::Pose;
 
@@ -74,19 +74,14 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
                 let listed = listed.iter().map(|(other, points)| (KeyframeSeq(*other), *points));
                 listed.filter(|(other, _)| index.keyframe(*other).is_some()).collect()
             };
-            let keyframe = Keyframe {
-                seq: index.next_keyframe(),
-                id: keyframe_id(index.next_keyframe()),
-                session: SessionSeq(*session),
-                stamp: Stamp { sec: i64::from(*second), nanosec: 0 },
-                map_from_camera: Pose::new([f64::from(*metre), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
-                camera: None,
-                gravity: None,
+            let pose = Pose::new([f64::from(*metre), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
+            let stamp = Stamp { sec: i64::from(*second), nanosec: 0 };
+            let new = NewKeyframe {
                 observes: observes.iter().copied().collect(),
-                declared: declared.as_ref().map(list),
-                renamed: None,
-                bytes: 1,
+                ..NewKeyframe::at(keyframe_id(index.next_keyframe()), stamp, pose)
             };
+            let declared = declared.as_ref().map(list);
+            let keyframe = Keyframe::arriving(index.next_keyframe(), SessionSeq(*session), &new, declared);
             Some(Change::KeyframeAdded(Box::new(keyframe), no_words()))
         }
         Step::Observe { seq, observes, declared } => {

@@ -3,24 +3,13 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::domain::keyframe::Stamp;
-use crate::domain::point_list::PointList;
+use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::geometry::Pose;
 
 fn keyframe(seq: u32, session: u32, sec: i64, x_m: f64) -> Keyframe {
-    Keyframe {
-        seq: KeyframeSeq(seq),
-        id: format!("kf-{}", 99 - seq).parse().unwrap(),
-        session: SessionSeq(session),
-        stamp: Stamp { sec, nanosec: 0 },
-        map_from_camera: Pose::new([x_m, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
-        camera: None,
-        gravity: None,
-        observes: PointList::default(),
-        declared: None,
-        renamed: None,
-        bytes: 0,
-    }
+    let pose = Pose::new([x_m, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
+    let new = NewKeyframe::at(format!("kf-{}", 99 - seq).parse().unwrap(), Stamp { sec, nanosec: 0 }, pose);
+    Keyframe::arriving(KeyframeSeq(seq), SessionSeq(session), &new, None)
 }
 
 /// By the letter: the keyframes of the session in order, and the steps between the two.
