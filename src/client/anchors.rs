@@ -3,10 +3,10 @@
 use bytes::Bytes;
 use reqwest::Method;
 
-use super::body::Body;
-use super::connection::{Client, Written};
+use super::connection::Client;
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
+use super::operation::operations;
 use crate::api::anchor::{AnchorPatchBody, AnchorView};
 use crate::api::list::AnchorList;
 use crate::api::map::MapVersion;
@@ -45,50 +45,28 @@ impl AnchorSearch {
     }
 }
 
+operations! {
+    /// Reads an anchor.
+    read anchor(map, anchor) ["v1", "maps", map, "anchors", anchor] AnchorView;
+    /// Reads the last dialogues with models about an anchor.
+    read transcript(map, anchor) ["v1", "maps", map, "anchors", anchor, "transcript"] TranscriptList;
+    /// Describes an anchor by hand, whatever its version.
+    patch patch_anchor(map, anchor) ["v1", "maps", map, "anchors", anchor] AnchorPatchBody, AnchorView;
+    /// Puts a prior anchor: a sign that a plan shows.
+    put put_prior_anchor(map, anchor) ["v1", "maps", map, "anchors", anchor] PriorBody, AnchorView;
+    /// Removes an anchor.
+    remove delete_anchor(map, anchor) ["v1", "maps", map, "anchors", anchor] MapVersion;
+}
+
 impl Client {
     /// Lists anchors, oldest first.
     pub async fn list_anchors(&self, map: &str, search: &AnchorSearch) -> Result<AnchorList, ClientError> {
         self.read(&["v1", "maps", map, "anchors"], &borrowed(&search.parameters())).await
     }
 
-    /// Reads an anchor.
-    pub async fn anchor(&self, map: &str, anchor: &str) -> Result<AnchorView, ClientError> {
-        self.read(&["v1", "maps", map, "anchors", anchor], &[]).await
-    }
-
-    /// Reads the last dialogues with models about an anchor.
-    pub async fn transcript(&self, map: &str, anchor: &str) -> Result<TranscriptList, ClientError> {
-        self.read(&["v1", "maps", map, "anchors", anchor, "transcript"], &[]).await
-    }
-
     /// Reads the image of an anchor, a PNG or JPEG file.
     pub async fn crop(&self, map: &str, anchor: &str) -> Result<Bytes, ClientError> {
         let path = ["v1", "maps", map, "anchors", anchor, "crop"];
         Ok(self.send(Method::GET, &path, &[], None::<&()>).await?.bytes())
-    }
-
-    /// Describes an anchor by hand, whatever its version.
-    pub async fn patch_anchor(
-        &self,
-        map: &str,
-        anchor: &str,
-        body: &impl Body<AnchorPatchBody>,
-    ) -> Result<AnchorView, ClientError> {
-        Ok(self.write(Method::PATCH, &["v1", "maps", map, "anchors", anchor], &[], body).await?.answer)
-    }
-
-    /// Puts a prior anchor: a sign that a plan shows.
-    pub async fn put_prior_anchor(
-        &self,
-        map: &str,
-        anchor: &str,
-        body: &impl Body<PriorBody>,
-    ) -> Result<Written<AnchorView>, ClientError> {
-        self.write(Method::PUT, &["v1", "maps", map, "anchors", anchor], &[], body).await
-    }
-
-    /// Removes an anchor.
-    pub async fn delete_anchor(&self, map: &str, anchor: &str) -> Result<MapVersion, ClientError> {
-        self.remove(&["v1", "maps", map, "anchors", anchor], &[]).await?.decode()
     }
 }

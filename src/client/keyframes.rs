@@ -7,6 +7,7 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
+use super::operation::operations;
 use crate::api::anchor::LocalAnchorMap;
 use crate::api::bulk::BulkLine;
 use crate::api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
@@ -23,12 +24,20 @@ pub struct NamedKeyframe {
     pub keyframe: KeyframeBody,
 }
 
-impl Client {
+operations! {
     /// Lists the keyframes, in order of arrival.
-    pub async fn list_keyframes(&self, map: &str, page: &Page) -> Result<KeyframeList, ClientError> {
-        self.read(&["v1", "maps", map, "keyframes"], &borrowed(&page.parameters())).await
-    }
+    list list_keyframes(map) ["v1", "maps", map, "keyframes"] KeyframeList;
+    /// Reads a keyframe as it stands now.
+    read keyframe(map, keyframe) ["v1", "maps", map, "keyframes", keyframe] KeyframeView;
+    /// Removes a keyframe, and everything that rests on it alone.
+    remove delete_keyframe(map, keyframe) ["v1", "maps", map, "keyframes", keyframe] MapVersion;
+    /// Lists the keyframes that are covisible with one.
+    read covisible(map, keyframe) ["v1", "maps", map, "keyframes", keyframe, "covisible"] CovisibleList;
+    /// Reads the local anchor map around a keyframe.
+    read local_anchor_map(map, keyframe) ["v1", "maps", map, "keyframes", keyframe, "local-anchor-map"] LocalAnchorMap;
+}
 
+impl Client {
     /// Lists the keyframes that may be deleted when a quota nears.
     pub async fn list_redundant_keyframes(
         &self,
@@ -39,11 +48,6 @@ impl Client {
         let parameters: Vec<(&str, &str)> =
             [("redundant", "true")].into_iter().chain(borrowed(&parameters)).collect();
         self.read(&["v1", "maps", map, "keyframes"], &parameters).await
-    }
-
-    /// Reads a keyframe as it stands now.
-    pub async fn keyframe(&self, map: &str, keyframe: &str) -> Result<KeyframeView, ClientError> {
-        self.read(&["v1", "maps", map, "keyframes", keyframe], &[]).await
     }
 
     /// Stores a keyframe, and asks the loop query in the same round trip if `ask_loop`.
@@ -65,21 +69,6 @@ impl Client {
         keyframes: &[NamedKeyframe],
     ) -> Result<Vec<BulkLine>, ClientError> {
         self.write_lines(&["v1", "maps", map, "keyframes"], keyframes).await
-    }
-
-    /// Removes a keyframe, and everything that rests on it alone.
-    pub async fn delete_keyframe(&self, map: &str, keyframe: &str) -> Result<MapVersion, ClientError> {
-        self.remove(&["v1", "maps", map, "keyframes", keyframe], &[]).await?.decode()
-    }
-
-    /// Lists the keyframes that are covisible with one.
-    pub async fn covisible(&self, map: &str, keyframe: &str) -> Result<CovisibleList, ClientError> {
-        self.read(&["v1", "maps", map, "keyframes", keyframe, "covisible"], &[]).await
-    }
-
-    /// Reads the local anchor map around a keyframe.
-    pub async fn local_anchor_map(&self, map: &str, keyframe: &str) -> Result<LocalAnchorMap, ClientError> {
-        self.read(&["v1", "maps", map, "keyframes", keyframe, "local-anchor-map"], &[]).await
     }
 
     /// Returns the anchor that a detection feeds: the server names anchors, the client its detections.

@@ -3,9 +3,10 @@
 use reqwest::Method;
 
 use super::body::Body;
-use super::connection::{Client, Written};
+use super::connection::Client;
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
+use super::operation::operations;
 use crate::api::list::{LoopList, VerdictList};
 use crate::api::location::{LocateAnswerView, LocateBody};
 use crate::api::loop_query::LoopQueryBody;
@@ -13,16 +14,22 @@ use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
 use crate::api::verdict::LoopAnswer;
 use crate::domain::request::Detail;
 
-impl Client {
+operations! {
     /// Asks "is this keyframe a loop?".
-    pub async fn loop_query(
-        &self,
-        map: &str,
-        body: &impl Body<LoopQueryBody>,
-    ) -> Result<LoopAnswer, ClientError> {
-        Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &[], body).await?.answer)
-    }
+    send loop_query(map) ["v1", "maps", map, "loop-queries"] LoopQueryBody, LoopAnswer;
+    /// Asks "where am I?".
+    send locate() ["v1", "locate"] LocateBody, LocateAnswerView;
+    /// Reads an earlier answer.
+    read loop_answer(map, query) ["v1", "maps", map, "loop-queries", query] LoopAnswer;
+    /// Lists the confirmed loops, oldest first.
+    list list_loops(map) ["v1", "maps", map, "loops"] LoopList;
+    /// Confirms a loop that the client closed.
+    post post_loop(map) ["v1", "maps", map, "loops"] LoopBody, LoopClosed;
+    /// Revokes a loop; the anchors that it merged are split again.
+    remove delete_loop(map, id) ["v1", "maps", map, "loops", id] LoopRevoked;
+}
 
+impl Client {
     /// Asks the same for the verdict alone: the answer lists no rejected candidate, and no matches of the others.
     pub async fn brief_loop_query(
         &self,
@@ -31,16 +38,6 @@ impl Client {
     ) -> Result<LoopAnswer, ClientError> {
         let query = [("detail", Detail::Brief.as_str())];
         Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &query, body).await?.answer)
-    }
-
-    /// Asks "where am I?".
-    pub async fn locate(&self, body: &impl Body<LocateBody>) -> Result<LocateAnswerView, ClientError> {
-        Ok(self.write(Method::POST, &["v1", "locate"], &[], body).await?.answer)
-    }
-
-    /// Reads an earlier answer.
-    pub async fn loop_answer(&self, map: &str, query: &str) -> Result<LoopAnswer, ClientError> {
-        self.read(&["v1", "maps", map, "loop-queries", query], &[]).await
     }
 
     /// Lists verdicts, the newest first: those that agree with the parameters of `GET .../loop-queries`.
@@ -53,24 +50,5 @@ impl Client {
         let page = page.parameters();
         let parameters: Vec<_> = filter.iter().copied().chain(borrowed(&page)).collect();
         self.read(&["v1", "maps", map, "loop-queries"], &parameters).await
-    }
-
-    /// Lists the confirmed loops, oldest first.
-    pub async fn list_loops(&self, map: &str, page: &Page) -> Result<LoopList, ClientError> {
-        self.read(&["v1", "maps", map, "loops"], &borrowed(&page.parameters())).await
-    }
-
-    /// Confirms a loop that the client closed.
-    pub async fn post_loop(
-        &self,
-        map: &str,
-        body: &impl Body<LoopBody>,
-    ) -> Result<Written<LoopClosed>, ClientError> {
-        self.write(Method::POST, &["v1", "maps", map, "loops"], &[], body).await
-    }
-
-    /// Revokes a loop; the anchors that it merged are split again.
-    pub async fn delete_loop(&self, map: &str, id: &str) -> Result<LoopRevoked, ClientError> {
-        self.remove(&["v1", "maps", map, "loops", id], &[]).await?.decode()
     }
 }

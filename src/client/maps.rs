@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use reqwest::Method;
 
-use super::body::Body;
-use super::connection::{Client, Written};
+use super::connection::Client;
 use super::error::ClientError;
+use super::operation::operations;
 use crate::api::frames::FramesView;
 use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
@@ -42,79 +42,34 @@ pub(super) fn borrowed<'a>(parameters: &'a [(&'static str, String)]) -> Vec<(&'s
     parameters.iter().map(|(name, value)| (*name, value.as_str())).collect()
 }
 
-impl Client {
+operations! {
     /// Lists the sessions of a map, and their alignments to a plan.
-    pub async fn list_sessions(&self, map: &str, page: &Page) -> Result<SessionList, ClientError> {
-        self.read(&["v1", "maps", map, "sessions"], &borrowed(&page.parameters())).await
-    }
+    list list_sessions(map) ["v1", "maps", map, "sessions"] SessionList;
+    /// Lists the maps, by id.
+    list list_maps() ["v1", "maps"] MapList;
+    /// Reads a map's properties and figures.
+    read map(map) ["v1", "maps", map] MapView;
+    /// Declares a map.
+    put put_map(map) ["v1", "maps", map] MapBody, MapView;
+    /// Changes the properties that the body names.
+    patch patch_map(map) ["v1", "maps", map] MapPatchBody, MapView;
+    /// Removes a map with all that is in it.
+    remove delete_map(map) ["v1", "maps", map];
+    /// Sends poses and map points as the client's optimisation corrected them.
+    send post_poses(map) ["v1", "maps", map, "poses"] PosesBody, PosesAnswer;
+    /// Sends what the client's map did to points and edges after it had sent the keyframes.
+    send post_observations(map) ["v1", "maps", map, "observations"] ObservationsBody, ObservationsAnswer;
+    /// Merges a session into another one.
+    send merge_sessions(map, session) ["v1", "maps", map, "sessions", session, "merge"] MergeBody, SessionsMergedAnswer;
+    /// Takes the merge of a session back.
+    remove revoke_merge(map, session) ["v1", "maps", map, "sessions", session, "merge"] MergeRevokedAnswer;
+}
 
+impl Client {
     /// Reads where the sessions of a map lie to a reference.
     pub async fn frames(&self, map: &str, reference: Option<&str>) -> Result<FramesView, ClientError> {
         let query: Vec<(&str, &str)> = reference.map(|session| ("reference", session)).into_iter().collect();
         self.read(&["v1", "maps", map, "frames"], &query).await
-    }
-
-    /// Lists the maps, by id.
-    pub async fn list_maps(&self, page: &Page) -> Result<MapList, ClientError> {
-        self.read(&["v1", "maps"], &borrowed(&page.parameters())).await
-    }
-
-    /// Reads a map's properties and figures.
-    pub async fn map(&self, map: &str) -> Result<MapView, ClientError> {
-        self.read(&["v1", "maps", map], &[]).await
-    }
-
-    /// Declares a map.
-    pub async fn put_map(
-        &self,
-        map: &str,
-        body: &impl Body<MapBody>,
-    ) -> Result<Written<MapView>, ClientError> {
-        self.write(Method::PUT, &["v1", "maps", map], &[], body).await
-    }
-
-    /// Changes the properties that the body names.
-    pub async fn patch_map(&self, map: &str, body: &impl Body<MapPatchBody>) -> Result<MapView, ClientError> {
-        Ok(self.write(Method::PATCH, &["v1", "maps", map], &[], body).await?.answer)
-    }
-
-    /// Removes a map with all that is in it.
-    pub async fn delete_map(&self, map: &str) -> Result<(), ClientError> {
-        self.remove(&["v1", "maps", map], &[]).await.map(drop)
-    }
-
-    /// Sends poses and map points as the client's optimisation corrected them.
-    pub async fn post_poses(
-        &self,
-        map: &str,
-        body: &impl Body<PosesBody>,
-    ) -> Result<PosesAnswer, ClientError> {
-        Ok(self.write(Method::POST, &["v1", "maps", map, "poses"], &[], body).await?.answer)
-    }
-
-    /// Sends what the client's map did to points and edges after it had sent the keyframes.
-    pub async fn post_observations(
-        &self,
-        map: &str,
-        body: &impl Body<ObservationsBody>,
-    ) -> Result<ObservationsAnswer, ClientError> {
-        Ok(self.write(Method::POST, &["v1", "maps", map, "observations"], &[], body).await?.answer)
-    }
-
-    /// Merges a session into another one.
-    pub async fn merge_sessions(
-        &self,
-        map: &str,
-        session: &str,
-        body: &impl Body<MergeBody>,
-    ) -> Result<SessionsMergedAnswer, ClientError> {
-        let path = ["v1", "maps", map, "sessions", session, "merge"];
-        Ok(self.write(Method::POST, &path, &[], body).await?.answer)
-    }
-
-    /// Takes the merge of a session back.
-    pub async fn revoke_merge(&self, map: &str, session: &str) -> Result<MergeRevokedAnswer, ClientError> {
-        self.remove(&["v1", "maps", map, "sessions", session, "merge"], &[]).await?.decode()
     }
 
     /// Reads a map as a recording; `take` receives it piece by piece.

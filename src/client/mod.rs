@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `connection` | one request and its answer |
 //! | `address` | ids and queries become URLs |
+//! | `operation` | the functions that are a path, a body and an answer |
 //! | `body` | a request's body: its shape, or one that was recorded |
 //! | `maps`, `keyframes`, `anchors`, `loops`, `releases`, `events`, `semantics`, `service` | one function for each operation of the API |
 //! | `answers` | figures of an answer that several readers need |
@@ -19,6 +20,7 @@ mod events;
 mod keyframes;
 mod loops;
 mod maps;
+mod operation;
 mod releases;
 mod semantics;
 mod service;

@@ -1,51 +1,28 @@
 //! Releases: published, listed, compared and deleted; and what is erased for good.
 
-use reqwest::Method;
-
-use super::body::Body;
-use super::connection::{Client, Written};
+use super::connection::Client;
 use super::error::ClientError;
-use super::maps::{Page, borrowed};
+use super::operation::operations;
 use crate::api::erasure::{ErasureBody, ErasureView};
 use crate::api::list::ReleaseList;
 use crate::api::release::{ReleaseBody, ReleaseChangesView, ReleaseView};
 
-impl Client {
+operations! {
     /// Lists the releases of a map, by name.
-    pub async fn list_releases(&self, map: &str, page: &Page) -> Result<ReleaseList, ClientError> {
-        self.read(&["v1", "maps", map, "releases"], &borrowed(&page.parameters())).await
-    }
-
+    list list_releases(map) ["v1", "maps", map, "releases"] ReleaseList;
     /// Publishes the map as it stands.
-    pub async fn publish_release(
-        &self,
-        map: &str,
-        release: &str,
-        body: &impl Body<ReleaseBody>,
-    ) -> Result<Written<ReleaseView>, ClientError> {
-        self.write(Method::PUT, &["v1", "maps", map, "releases", release], &[], body).await
-    }
-
+    put publish_release(map, release) ["v1", "maps", map, "releases", release] ReleaseBody, ReleaseView;
     /// Reads a release, and who asked it.
-    pub async fn release(&self, map: &str, release: &str) -> Result<ReleaseView, ClientError> {
-        self.read(&["v1", "maps", map, "releases", release], &[]).await
-    }
-
+    read release(map, release) ["v1", "maps", map, "releases", release] ReleaseView;
     /// Deletes a release.
-    pub async fn delete_release(&self, map: &str, release: &str) -> Result<(), ClientError> {
-        self.remove(&["v1", "maps", map, "releases", release], &[]).await.map(drop)
-    }
-
+    remove delete_release(map, release) ["v1", "maps", map, "releases", release];
     /// Asks for an erasure.
-    pub async fn erase(&self, map: &str, body: &impl Body<ErasureBody>) -> Result<ErasureView, ClientError> {
-        Ok(self.write(Method::POST, &["v1", "maps", map, "erase"], &[], body).await?.answer)
-    }
-
+    send erase(map) ["v1", "maps", map, "erase"] ErasureBody, ErasureView;
     /// Reads an erasure.
-    pub async fn erasure(&self, map: &str, erasure: &str) -> Result<ErasureView, ClientError> {
-        self.read(&["v1", "maps", map, "erase", erasure], &[]).await
-    }
+    read erasure(map, erasure) ["v1", "maps", map, "erase", erasure] ErasureView;
+}
 
+impl Client {
     /// Compares a release with a later one, or with the map as it stands.
     pub async fn changes(
         &self,
