@@ -1,13 +1,14 @@
 //! `revisit export`: a map as a recording.
 
-use std::fs::{File, Permissions};
-use std::io::{self, BufWriter, Write};
+use std::fs::Permissions;
+use std::io::{self, Write};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tempfile::NamedTempFile;
 
+use super::compressed_file::{CompressedFile, ZSTD_LEVEL};
 use super::failure::Failure;
 use crate::api::recording::write_line;
 use crate::client::Client;
@@ -16,9 +17,6 @@ use crate::domain::ids::MapId;
 use crate::integrity::backup::{folder_of, regular_or_free};
 use crate::store::Export;
 use crate::store::files::paths::DatabaseFiles;
-
-/// Compression level of a file that ends in `.zst`.
-const ZSTD_LEVEL: i32 = 3;
 
 /// Approximate size of the pieces in which lines are written.
 const PIECE_BYTES: usize = 64 << 10;
@@ -61,7 +59,7 @@ pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     }
     regular_or_free(&args.file)?;
     let file = temporary(&args.file).map_err(|error| format!("{}: {error}", args.file.display()))?;
-    let mut to = Output::new(file.reopen()?, &args.file)?;
+    let mut to = CompressedFile::new(file.reopen()?, &args.file, ZSTD_LEVEL)?;
     let lines = export(&args, &mut to).await?;
     to.finish()?.sync_all()?;
     let written = if args.force { file.persist(&args.file) } else { file.persist_noclobber(&args.file) };
@@ -137,49 +135,4 @@ async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Un
     to.write_all(&piece)?;
     to.flush()?;
     Ok(lines)
-}
-
-/// An output file, compressed according to its name.
-enum Output {
-    Plain(BufWriter<File>),
-    Gzip(Box<flate2::write::GzEncoder<File>>),
-    Zstd(Box<zstd::Encoder<'static, File>>),
-}
-
-impl Output {
-    fn new(file: File, name: &Path) -> io::Result<Self> {
-        Ok(match name.extension().and_then(|ending| ending.to_str()) {
-            Some("gz") => {
-                Self::Gzip(Box::new(flate2::write::GzEncoder::new(file, flate2::Compression::default())))
-            }
-            Some("zst") => Self::Zstd(Box::new(zstd::Encoder::new(file, ZSTD_LEVEL)?)),
-            _ => Self::Plain(BufWriter::new(file)),
-        })
-    }
-
-    fn finish(self) -> io::Result<File> {
-        match self {
-            Self::Plain(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
-            Self::Gzip(file) => file.finish(),
-            Self::Zstd(file) => file.finish(),
-        }
-    }
-}
-
-impl Write for Output {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::Plain(file) => file.write(bytes),
-            Self::Gzip(file) => file.write(bytes),
-            Self::Zstd(file) => file.write(bytes),
-        }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::Plain(file) => file.flush(),
-            Self::Gzip(file) => file.flush(),
-            Self::Zstd(file) => file.flush(),
-        }
-    }
 }

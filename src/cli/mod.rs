@@ -4,6 +4,7 @@ mod backup;
 mod check;
 mod command_line;
 mod completions;
+mod compressed_file;
 mod copy;
 #[cfg(feature = "hotel")]
 mod demo;

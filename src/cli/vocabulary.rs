@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
-use std::io::{self, BufRead as _, Read as _, Write};
+use std::io::{self, BufRead as _, Read as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -11,11 +11,10 @@ use base64::Engine as _;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use clap::{Args, Subcommand, ValueEnum};
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Deserialize;
 
+use super::compressed_file::CompressedFile;
 use super::failure::Failure;
 use super::output::write_out;
 use crate::vocabulary::train::{TrainSettings, TrainingSet, train};
@@ -188,28 +187,12 @@ fn write_to(vocabulary: &Vocabulary, partial: &Path, path: &Path, form: FormArgs
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let by_name = if ["txt", "gz", "zst"].contains(&extension) { Form::Text } else { Form::Binary };
     let form = form.form.unwrap_or(by_name);
-    let mut file = File::create(partial)?;
-    match extension {
-        "gz" => {
-            let mut out = GzEncoder::new(&mut file, Compression::default());
-            write_form(vocabulary, form, &mut out)?;
-            out.finish()?;
-        }
-        "zst" => {
-            let mut out = zstd::Encoder::new(&mut file, ZSTD_LEVEL)?;
-            write_form(vocabulary, form, &mut out)?;
-            out.finish()?;
-        }
-        _ => write_form(vocabulary, form, &mut file)?,
-    }
-    file.sync_all()
-}
-
-fn write_form(vocabulary: &Vocabulary, form: Form, out: &mut impl Write) -> io::Result<()> {
+    let mut out = CompressedFile::new(File::create(partial)?, path, ZSTD_LEVEL)?;
     match form {
-        Form::Text => vocabulary.write_text(out),
-        Form::Binary => vocabulary.write_binary(out),
+        Form::Text => vocabulary.write_text(&mut out)?,
+        Form::Binary => vocabulary.write_binary(&mut out)?,
     }
+    out.finish()?.sync_all()
 }
 
 /// The members of a recording's line that training needs.

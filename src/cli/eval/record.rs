@@ -1,13 +1,11 @@
 //! A tour of the hotel, written as a recording.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write as _;
 use std::path::Path;
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
 use super::arguments::HotelArgs;
+use crate::cli::compressed_file::{CompressedFile, ZSTD_LEVEL};
 use crate::cli::failure::Failure;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::recording::recording;
@@ -17,8 +15,6 @@ use crate::hotel::sensing::noise::NoiseKind;
 
 /// The sequence of the paper's Figure 6, which the demo runs as well.
 const SEQUENCE: &str = "SE2 00";
-/// The default level of zstd.
-const ZSTD_LEVEL: i32 = 3;
 
 /// Writes the tour that the arguments name.
 pub(super) fn run(args: &HotelArgs, file: &Path) -> Result<(), Failure> {
@@ -31,18 +27,10 @@ pub(super) fn run(args: &HotelArgs, file: &Path) -> Result<(), Failure> {
         (String::from("hotel"), Scenario::of_paper(&printed.unwrap_or(SEQUENCES[0]), &patterns))
     };
     let lines = recording(&name, &scenario.course, &patterns.vocabulary()?)?;
-    let out = BufWriter::new(File::create(file)?);
-    match file.extension().and_then(|extension| extension.to_str()) {
-        Some("gz") => write(GzEncoder::new(out, Compression::default()), &lines)?.finish()?.flush()?,
-        Some("zst") => write(zstd::Encoder::new(out, ZSTD_LEVEL)?, &lines)?.finish()?.flush()?,
-        _ => write(out, &lines)?.flush()?,
-    }
-    Ok(())
-}
-
-fn write<W: Write>(mut out: W, lines: &[serde_json::Value]) -> std::io::Result<W> {
+    let mut out = CompressedFile::new(File::create(file)?, file, ZSTD_LEVEL)?;
     for line in lines {
         writeln!(out, "{line}")?;
     }
-    Ok(out)
+    out.finish()?;
+    Ok(())
 }

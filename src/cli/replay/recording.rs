@@ -1,22 +1,18 @@
 //! Recording: parses a file of one JSON object per line into operations, without holding it in memory.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, Read};
 use std::path::Path;
 
-use flate2::bufread::MultiGzDecoder;
 use indicatif::ProgressBar;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::api::decoding::syntax::{utf_16, without_mark};
+use crate::vocabulary::decompressed;
 
 /// Maximum length of a line; a keyframe is about 100 kB.
 const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
-
-/// The first bytes of a format, whatever the file's name.
-const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
-const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 
 /// The operations of a recording, in order; ends after the first invalid line.
 pub(super) struct Recording {
@@ -166,21 +162,8 @@ impl Recording {
     }
 
     /// Reads plain NDJSON, gzip or zstd, detected by their first bytes.
-    fn new(mut bytes: impl Read + Send + 'static, max_line_bytes: u64) -> io::Result<Self> {
-        let mut head = Vec::new();
-        let longest_magic = ZSTD_MAGIC.len() as u64;
-        bytes.by_ref().take(longest_magic).read_to_end(&mut head)?;
-        let gzip = head.starts_with(GZIP_MAGIC);
-        let zstd = head.starts_with(ZSTD_MAGIC);
-        let bytes = BufReader::new(Cursor::new(head).chain(bytes));
-        let reader: Box<dyn BufRead + Send> = if gzip {
-            Box::new(BufReader::new(MultiGzDecoder::new(bytes)))
-        } else if zstd {
-            Box::new(BufReader::new(zstd::Decoder::with_buffer(bytes)?))
-        } else {
-            Box::new(bytes)
-        };
-        Ok(Self { reader, max_line_bytes, line: 0, map: None, broken: false })
+    fn new(bytes: impl Read + Send + 'static, max_line_bytes: u64) -> io::Result<Self> {
+        Ok(Self { reader: decompressed(bytes)?, max_line_bytes, line: 0, map: None, broken: false })
     }
 
     fn next_line(&mut self) -> Result<Option<Line>, Fault> {

@@ -1,6 +1,6 @@
 //! Recordings are read in every compression, and faults are reported with their line.
 
-use std::io::Write as _;
+use std::io::{Cursor, Write as _};
 
 use serde_json::json;
 
