@@ -2,7 +2,8 @@
 
 pub mod floor_plan;
 pub mod furnishing;
-pub mod realism;
+#[cfg(test)]
+mod realism;
 pub mod renumbering;
 pub mod signs;
 pub mod storeys;
