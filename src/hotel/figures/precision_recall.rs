@@ -25,38 +25,34 @@ pub fn precision_recall(curves: &[Curve]) -> Result<String, FigureError> {
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, SIZE_PX).into_drawing_area();
-        root.fill(&WHITE).map_err(FigureError::of)?;
+        root.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&root)
             .margin(16)
             .x_label_area_size(44)
             .y_label_area_size(54)
-            .build_cartesian_2d(0.0..1.0, 0.0..1.02)
-            .map_err(FigureError::of)?;
+            .build_cartesian_2d(0.0..1.0, 0.0..1.02)?;
         chart
             .configure_mesh()
             .x_desc("recall, by query")
             .y_desc("precision, by query")
             .light_line_style(TRANSPARENT)
-            .draw()
-            .map_err(FigureError::of)?;
+            .draw()?;
         for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
             let colour = *colour;
             chart
-                .draw_series(LineSeries::new(curve.points.iter().copied(), colour.stroke_width(2)))
-                .map_err(FigureError::of)?
+                .draw_series(LineSeries::new(curve.points.iter().copied(), colour.stroke_width(2)))?
                 .label(&curve.name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
             let point = curve.operating_point.into_iter().map(|at| Circle::new(at, 5, colour.filled()));
-            chart.draw_series(point).map_err(FigureError::of)?;
+            chart.draw_series(point)?;
         }
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::LowerLeft)
             .background_style(WHITE.mix(0.9))
             .border_style(RGBColor(200, 200, 200))
-            .draw()
-            .map_err(FigureError::of)?;
-        root.present().map_err(FigureError::of)?;
+            .draw()?;
+        root.present()?;
     }
     Ok(svg)
 }

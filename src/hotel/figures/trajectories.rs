@@ -38,12 +38,12 @@ pub fn trajectories(panels: &[Panel]) -> Result<String, FigureError> {
     {
         let size = (PANEL_PX.0 * panels.len() as u32, PANEL_PX.1 + TITLE_PX);
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        root.fill(&WHITE).map_err(FigureError::of)?;
+        root.fill(&WHITE)?;
         let bounds = bounds(panels);
         for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
             draw(area, panel, bounds)?;
         }
-        root.present().map_err(FigureError::of)?;
+        root.present()?;
     }
     Ok(svg)
 }
@@ -68,33 +68,30 @@ fn draw(
     panel: &Panel,
     [x0, x1, y0, y1]: [f64; 4],
 ) -> Result<(), FigureError> {
-    area.draw_text(&panel.title, &("sans-serif", 17).into_text_style(area), (14, 10))
-        .map_err(FigureError::of)?;
+    area.draw_text(&panel.title, &("sans-serif", 17).into_text_style(area), (14, 10))?;
     let small = ("sans-serif", 13).into_text_style(area).color(&TRUTH);
-    area.draw_text(&panel.caption, &small, (14, 32)).map_err(FigureError::of)?;
+    area.draw_text(&panel.caption, &small, (14, 32))?;
     let (_, below) = area.split_vertically(TITLE_PX);
-    let mut chart = ChartBuilder::on(&below).build_cartesian_2d(x0..x1, y0..y1).map_err(FigureError::of)?;
+    let mut chart = ChartBuilder::on(&below).build_cartesian_2d(x0..x1, y0..y1)?;
     let tuple = |[x, y]: Flat| (x, y);
     for wall in &panel.walls {
         let line = [tuple(wall.from), tuple(wall.to)];
-        chart.draw_series([PathElement::new(line, WALLS.stroke_width(1))]).map_err(FigureError::of)?;
+        chart.draw_series([PathElement::new(line, WALLS.stroke_width(1))])?;
     }
     let truth = panel.truth.iter().copied().map(tuple);
     let dashed = DashedLineSeries::new(truth, 5, 4, TRUTH.stroke_width(2));
-    chart.draw_series(dashed).map_err(FigureError::of)?;
+    chart.draw_series(dashed)?;
     let estimate = panel.estimate.iter().copied().map(tuple);
-    chart.draw_series(LineSeries::new(estimate, ESTIMATE.stroke_width(2))).map_err(FigureError::of)?;
+    chart.draw_series(LineSeries::new(estimate, ESTIMATE.stroke_width(2)))?;
     for (from, to, is_right) in &panel.loops {
         let line = [tuple(panel.estimate[*from]), tuple(panel.estimate[*to])];
         let style = if *is_right { RIGHT.stroke_width(3) } else { WRONG.mix(0.5).stroke_width(1) };
-        chart.draw_series([PathElement::new(line, style)]).map_err(FigureError::of)?;
+        chart.draw_series([PathElement::new(line, style)])?;
     }
     // A scale bar of five metres.
     let (x, y) = (x0 + 2.0, y0 + 1.5);
-    chart
-        .draw_series([PathElement::new([(x, y), (x + 5.0, y)], BLACK.stroke_width(2))])
-        .map_err(FigureError::of)?;
+    chart.draw_series([PathElement::new([(x, y), (x + 5.0, y)], BLACK.stroke_width(2))])?;
     let label = Text::new("5 m", (x + 5.4, y + 0.8), ("sans-serif", 13));
-    chart.draw_series([label]).map_err(FigureError::of)?;
+    chart.draw_series([label])?;
     Ok(())
 }
