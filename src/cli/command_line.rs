@@ -3,9 +3,9 @@
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::failure::Failure;
-#[cfg(feature = "hotel")]
-use super::hotel;
 use super::{backup, check, completions, copy, export, health, keys, openapi, replay, serve, vocabulary};
+#[cfg(feature = "hotel")]
+use super::{demo, eval};
 
 /// Revisit: semantic place recognition. "Is this keyframe a loop?"
 ///
@@ -25,8 +25,9 @@ enum Command {
     Serve(Box<serve::ServeArgs>),
     Replay(replay::ReplayArgs),
     #[cfg(feature = "hotel")]
-    #[command(flatten)]
-    Hotel(hotel::HotelCommand),
+    Demo(demo::DemoArgs),
+    #[cfg(feature = "hotel")]
+    Eval(eval::EvalArgs),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
     Keys(keys::KeysArgs),
@@ -46,7 +47,9 @@ impl Cli {
             Command::Serve(args) => serve::run(*args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
             #[cfg(feature = "hotel")]
-            Command::Hotel(command) => command.run().await,
+            Command::Demo(args) => demo::run(args).await,
+            #[cfg(feature = "hotel")]
+            Command::Eval(args) => eval::run(args).await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
             Command::Keys(args) => keys::run(args).await,

@@ -14,8 +14,6 @@ mod export;
 mod failure;
 mod health;
 #[cfg(feature = "hotel")]
-mod hotel;
-#[cfg(feature = "hotel")]
 mod hotel_server;
 mod keys;
 mod openapi;
