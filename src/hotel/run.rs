@@ -160,11 +160,10 @@ pub async fn drive(
         let visit = (step.stop.place != Place::Corridor).then_some((keyframe.0, step.stop.visit));
         let is_revisit = course.is_revisit(*keyframe);
         let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
-        let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
-        let lost_by =
-            (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
+        let ranked = ranked(arm, &answer, answerable, &robots);
+        let lost_by = (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, &robots));
         let apart_m = accepted.map(|other| apart_m(step, &course.journeys[other.0].steps[other.1]));
-        let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
+        let words = words_alone(&answer, answerable, &robots);
         let this =
             AnsweredQuery { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);
@@ -214,12 +213,7 @@ pub fn session(robot: usize) -> String {
     if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
 }
 
-fn ranked(
-    arm: Method,
-    answer: &LoopAnswer,
-    answerable: &Answerable,
-    find: impl Fn(&str) -> Option<KeyframeIndex>,
-) -> Option<Ranked> {
+fn ranked(arm: Method, answer: &LoopAnswer, answerable: &Answerable, robots: &[Robot<'_>]) -> Option<Ranked> {
     let score = |candidate: &CandidateView| match arm {
         Method::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
         Method::Ours | Method::OursMonocular | Method::Paper => candidate.similarity().unwrap_or(0.0),
@@ -234,19 +228,16 @@ fn ranked(
         Some(place) => place,
         None => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
     };
-    let keyframe = find(&first.keyframe)?;
+    let keyframe = find(robots, &first.keyframe)?;
     let is_right = answerable.truth.contains(&keyframe);
     (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
 }
 
-fn words_alone(
-    answer: &LoopAnswer,
-    answerable: &Answerable,
-    find: impl Fn(&str) -> Option<KeyframeIndex>,
-) -> WordsAlone {
+fn words_alone(answer: &LoopAnswer, answerable: &Answerable, robots: &[Robot<'_>]) -> WordsAlone {
     let by_words = answer.candidates.iter().filter(|candidate| candidate.bow_score() > 0.0);
     let best = by_words.rev().max_by(|a, b| a.bow_score().total_cmp(&b.bow_score()));
-    let Some((candidate, keyframe)) = best.and_then(|best| Some((best, find(&best.keyframe)?))) else {
+    let Some((candidate, keyframe)) = best.and_then(|best| Some((best, find(robots, &best.keyframe)?)))
+    else {
         return WordsAlone::Nothing;
     };
     match answerable.truth.contains(&keyframe) {
@@ -257,13 +248,9 @@ fn words_alone(
 
 /// Returns the reason code of the first true candidate, which is the best of those that failed. It is `not_confirmed`
 /// if the server accepted it, `not_a_candidate` if the answer has none.
-fn lost_by(
-    answer: &LoopAnswer,
-    answerable: &Answerable,
-    find: impl Fn(&str) -> Option<KeyframeIndex>,
-) -> String {
+fn lost_by(answer: &LoopAnswer, answerable: &Answerable, robots: &[Robot<'_>]) -> String {
     let is_right = |candidate: &&CandidateView| {
-        find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key))
+        find(robots, &candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key))
     };
     let right = answer.candidates.iter().find(is_right);
     match right.map(|candidate| candidate.reason.as_ref()) {
