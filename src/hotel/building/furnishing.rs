@@ -10,7 +10,7 @@ use super::floor_plan::{
 use super::texture::{Descriptor, Patterns, copy};
 use crate::hotel::rng::SeededRng;
 
-/// A point of the world.
+/// A point of the world; in a model, of the frame of a [`Spot`] (u right, v ahead, z up).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldPoint {
     /// In metres.
@@ -23,16 +23,6 @@ pub struct WorldPoint {
     pub reference_m: f64,
     /// Its orientation in the image of an upright camera, in degrees.
     pub angle_deg: f64,
-}
-
-/// A point of a model, in the frame of a [`Spot`] (u right, v ahead, z up).
-#[derive(Clone, Copy, Debug)]
-struct ModelPoint {
-    position: [f64; 3],
-    normal: [f64; 3],
-    descriptor: Descriptor,
-    reference_m: f64,
-    angle_deg: f64,
 }
 
 /// A piece of furniture: a box in the frame of a door.
@@ -65,10 +55,10 @@ const REFERENCE_M: [f64; 2] = [0.5, 5.0];
 /// The model of rooms, and of the corridor along them.
 #[derive(Clone, Debug)]
 pub struct Model {
-    room: Vec<ModelPoint>,
-    door_frame: Vec<ModelPoint>,
-    stretch: Vec<ModelPoint>,
-    corner: Vec<ModelPoint>,
+    room: Vec<WorldPoint>,
+    door_frame: Vec<WorldPoint>,
+    stretch: Vec<WorldPoint>,
+    corner: Vec<WorldPoint>,
 }
 
 impl Model {
@@ -189,7 +179,7 @@ impl Model {
             let z = rng.within(0.1, CEILING_M - 0.1);
             model_point([u, v, z], [0.0, normal, 0.0], patterns, rng)
         });
-        let own: Vec<ModelPoint> = own.collect();
+        let own: Vec<WorldPoint> = own.collect();
         (self.stretch.iter().chain(&own))
             .map(|model| copied(model, door, rng))
             .filter(|point| keep([point.position[0], point.position[1]]))
@@ -197,7 +187,7 @@ impl Model {
     }
 }
 
-fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, rng: &mut SeededRng) -> ModelPoint {
+fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, rng: &mut SeededRng) -> WorldPoint {
     let mut position: [f64; 3] = std::array::from_fn(|axis| rng.within(piece.min[axis], piece.max[axis]));
     // On a side visible from the door, or on top.
     let normal = match rng.below(3) {
@@ -219,8 +209,8 @@ fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, rng: &mut Se
     model_point(position, normal, patterns, rng)
 }
 
-fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, rng: &mut SeededRng) -> ModelPoint {
-    ModelPoint {
+fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, rng: &mut SeededRng) -> WorldPoint {
+    WorldPoint {
         position,
         normal,
         descriptor: patterns.model(rng),
@@ -229,7 +219,7 @@ fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, rng: &
     }
 }
 
-fn copied(model: &ModelPoint, spot: &Spot, rng: &mut SeededRng) -> WorldPoint {
+fn copied(model: &WorldPoint, spot: &Spot, rng: &mut SeededRng) -> WorldPoint {
     let mut scattered = model.position;
     for (axis, coordinate) in scattered.iter_mut().enumerate() {
         // Within its surface: a copy's point moves along the wall, not into it.
@@ -241,7 +231,6 @@ fn copied(model: &ModelPoint, spot: &Spot, rng: &mut SeededRng) -> WorldPoint {
         position: [x, y, scattered[2]],
         normal: [nx, ny, model.normal[2]],
         descriptor: copy(model.descriptor, rng),
-        reference_m: model.reference_m,
-        angle_deg: model.angle_deg,
+        ..*model
     }
 }
