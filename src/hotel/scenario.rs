@@ -3,11 +3,11 @@
 use super::building::floor_plan::Layout;
 use super::building::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
 use super::building::signs::SignPlan;
-use super::building::storeys::Storeys;
+use super::building::storeys::{STOREYS, storeys};
 use super::building::texture::Patterns;
 use super::building::world::{World, WorldPlan};
 use super::rng::SeededRng;
-use super::route::{some_rooms, tour};
+use super::route::{Stop, some_rooms, tour};
 use super::run::Course;
 use super::scoring::paper::PrintedSequence;
 use super::sensing::noise::NoiseKind;
@@ -42,7 +42,7 @@ impl Scenario {
         let plan = WorldPlan { layout, floor, signs: SignPlan::default(), seed };
         let world = World::new(&plan, patterns);
         let seed = seed * 100 + sequence.number as u64;
-        Self::drive(world, NoiseKind::None, PAPER_ROOMS, &[sequence.orb_vo_m], seed)
+        Self::drive(vec![world], NoiseKind::None, PAPER_ROOMS, &[sequence.orb_vo_m], seed)
     }
 
     /// Returns the floor on which a robot drives.
@@ -69,19 +69,17 @@ impl Scenario {
             (0..robots).map(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
         match kind {
             NoiseKind::Renumbered => Self::renumbered(world, drifts_m[0], patterns, seed),
-            kind => Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed),
+            kind => Self::drive(vec![world], kind, RANDOM_ROOMS, &drifts_m, seed),
         }
     }
 
     /// Returns the second hotel.
     fn of_storeys(rng: &mut SeededRng, patterns: &Patterns, seed: u64) -> Self {
         let (layout, lowest) = (Layout::random(rng), 1 + rng.below(10) as u32);
-        let drifts_m = std::array::from_fn(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
-        let Storeys { mut floors, journeys, tours } =
-            Storeys::new(layout, lowest, RANDOM_ROOMS, drifts_m, patterns, seed);
-        let upper = floors.split_off(1);
-        let world = floors.swap_remove(0);
-        Self { world, upper, course: Course::new(journeys), tours, eras: Vec::new() }
+        let drifts_m: [f64; STOREYS + 1] =
+            std::array::from_fn(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
+        let floors = storeys(layout, lowest, patterns, seed);
+        Self::drive(floors, NoiseKind::SecondHotel, RANDOM_ROOMS, &drifts_m, seed)
     }
 
     /// Records one robot on a tour of many rounds, each with the drift of a single tour.
@@ -98,23 +96,64 @@ impl Scenario {
         Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
     }
 
-    /// Records one robot per drift; robots of a fleet share half of their rooms.
-    fn drive(world: World, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
+    /// Records one robot per drift, in turn on each of the floors, from the lowest. A further robot on a floor visits half of the
+    /// first one's rooms.
+    fn drive(mut floors: Vec<World>, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());
         for (robot, drift_m) in drifts_m.iter().enumerate() {
+            let storey = robot % floors.len();
+            let world = &floors[storey];
             let mut tour_rooms = some_rooms(&world.plan, rooms, &mut rng);
-            if let Some(other) = tours.first() {
+            if robot >= floors.len() {
                 let shared = tour_rooms.len() / 2;
-                tour_rooms[1..=shared].copy_from_slice(&other[1..=shared]);
-                tour_rooms[1..=shared].reverse();
+                tour_rooms[1..=shared].copy_from_slice(&tours[storey][1..=shared]);
+                if kind == NoiseKind::Fleet {
+                    tour_rooms[1..=shared].reverse();
+                }
                 tour_rooms.dedup();
             }
             let stops = tour(&world.plan, &tour_rooms, &mut rng);
+            let stops: Vec<Stop> = stops.into_iter().map(|stop| Stop { storey, ..stop }).collect();
             let seed = seed ^ ((robot as u64) << 32);
-            journeys.push(Sequence::record(&world, &stops, kind.noise(), *drift_m, seed));
+            journeys.push(Sequence::record(world, &stops, kind.noise(), *drift_m, seed));
             tours.push(tour_rooms);
         }
-        Self { world, upper: Vec::new(), course: Course::new(journeys), tours, eras: Vec::new() }
+        let upper = floors.split_off(1);
+        let world = floors.swap_remove(0);
+        Self { world, upper, course: Course::new(journeys), tours, eras: Vec::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::building::signs::SignKind;
+    use super::super::scoring::truth::{apart_m, shared_points};
+    use super::*;
+
+    #[test]
+    fn floors_are_alike_but_for_the_numbers_on_their_doors_and_no_place_is_on_two() {
+        let floors = storeys(Layout::SE1, 3, &Patterns::new(), 5);
+        let scenario = Scenario::drive(floors, NoiseKind::SecondHotel, 4, &[0.3; 4], 5);
+        let [first, second] = [&scenario.world, &scenario.upper[0]];
+        let bits = |a: usize| -> u32 {
+            let [a, b] = [first.points[a].descriptor, second.points[a].descriptor];
+            a.iter().zip(b).map(|(a, b)| (a ^ b).count_ones()).sum()
+        };
+        // The points of rooms come first, as many on each floor.
+        let mut differing: Vec<u32> = (0..20_000).step_by(11).map(bits).collect();
+        differing.sort_unstable();
+        let median = differing[differing.len() / 2];
+        assert!((15..60).contains(&median), "one model, two copies: {median} bits");
+        for (a, b) in first.signs.iter().zip(&second.signs) {
+            assert_eq!((a.kind, a.centre), (b.kind, b.centre));
+            assert_eq!(a.text == b.text, a.kind != SignKind::DoorPlate, "{} and {}", a.text, b.text);
+        }
+        assert_eq!([&first.numbers[0], &second.numbers[0]], ["301", "401"]);
+        let [on_first, on_second, again] = [0, 1, 3].map(|robot| &scenario.course.journeys[robot].steps[0]);
+        assert_eq!([on_first, on_second, again].map(|step| step.stop.storey), [0, 1, 0]);
+        let mut above = on_first.clone();
+        above.stop.storey = 1;
+        assert_eq!((shared_points(on_first, &above), apart_m(on_first, &above)), (0, 3.0));
     }
 }
