@@ -1,6 +1,6 @@
 //! Reader: the text that it makes of a sign.
 
-use super::world::{Sign, World};
+use super::world::{Sign, SignKind, World};
 use crate::hotel::rng::SeededRng;
 
 /// Characters that a reader takes for one another, or for any other.
@@ -27,12 +27,12 @@ impl<'w> Reader<'w> {
         if self.rng.happens(0.2) {
             return None;
         }
-        if sign.is_picture {
+        if sign.kind == SignKind::Picture {
             return Some(sign.text.clone());
         }
         let mut text = sign.text.clone();
         let mut passage = SeededRng::new(self.world.seed, &format!("passage {} {number}", self.session));
-        if sign.is_plate && passage.happens(traits.misread_passage) {
+        if sign.kind == SignKind::Plate && passage.happens(traits.misread_passage) {
             text = with_error(&text, &mut passage);
         }
         if self.rng.happens(traits.misread) {

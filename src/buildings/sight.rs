@@ -10,7 +10,7 @@ use super::kind::Client;
 use super::motion::believed;
 use super::reader::Reader;
 use super::route::Stand;
-use super::world::{CORRIDOR_M, ROOM, ROOM_HALF_M, Sign, Space, WALL_M, World};
+use super::world::{CORRIDOR_M, ROOM, ROOM_HALF_M, Sign, SignKind, Space, WALL_M, World};
 use crate::api::keyframe::CameraShape;
 use crate::api::space::Transform;
 use crate::geometry::{Point3, Pose};
@@ -146,7 +146,7 @@ fn detections(
     for number in signs {
         let sign = &world.signs[*number];
         if let (Some(at), Some(text)) = (seen(stand, sign), reader.read(*number, sign)) {
-            tell(text, sign.is_picture, at, rng);
+            tell(text, sign.kind == SignKind::Picture, at, rng);
         }
     }
     if let Some(text) = reader.railing() {

@@ -45,6 +45,17 @@ impl Space {
     }
 }
 
+/// The kind of a sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SignKind {
+    /// The plate of a door: the errors of a passage concern plates alone.
+    Plate,
+    /// Another text.
+    Text,
+    /// A picture, which a model describes.
+    Picture,
+}
+
 /// A sign on a wall.
 #[derive(Clone, Debug)]
 pub struct Sign {
@@ -52,10 +63,8 @@ pub struct Sign {
     pub space: Option<Space>,
     /// Its text, or what a model describes.
     pub text: String,
-    /// Whether a model describes it.
-    pub is_picture: bool,
-    /// Whether a reader may take it for a plate: the errors of a passage concern plates alone.
-    pub is_plate: bool,
+    /// Its kind.
+    pub kind: SignKind,
     /// Its place in the frame of its floor's corridor, in metres.
     pub at: Point3,
     /// From how far it can be read, in metres.
@@ -81,6 +90,9 @@ impl World {
         let mut rng = SeededRng::new(seed, &format!("building {}", kind.name()));
         let naming = *rng.one_of(traits.naming);
         let mut signs = Vec::new();
+        let mut hang = |space: Option<Space>, text: &str, kind: SignKind, at: [f64; 3], range_m: f64| {
+            signs.push(Sign { space, text: text.to_owned(), kind, at: Point3::from(at), range_m });
+        };
         let first_door = 1 + rng.below(4);
         // Furnishings repeat: every corridor hangs the same ones in the same places.
         let pattern: Vec<(usize, usize, usize)> = (0..DOORS)
@@ -92,76 +104,44 @@ impl World {
         {
             let corridor = Space { floor, wing, is_room: false };
             let side = if traits.look == Look::Mirrored && (floor + wing) % 2 == 1 { -1.0 } else { 1.0 };
-            let mut hang =
-                |space, text: String, at: [f64; 3], range_m: f64, is_plate: bool, is_picture: bool| {
-                    signs.push(Sign { space, text, is_picture, is_plate, at: Point3::from(at), range_m });
-                };
             for (door, (notice, brand, picture)) in pattern.iter().enumerate() {
                 let z = DOOR_M * (door as f64 + 0.5);
                 let x = side * if door % 2 == 0 { WALL_M } else { -WALL_M };
-                hang(
-                    Some(corridor),
-                    naming.plate(floor, wing, first_door + door),
-                    [x, -0.2, z],
-                    3.6,
-                    true,
-                    false,
-                );
+                let plate = naming.plate(floor, wing, first_door + door);
+                hang(Some(corridor), &plate, SignKind::Plate, [x, -0.2, z], 3.6);
                 if has(Extra::Notices) && door % 2 == 0 {
-                    hang(Some(corridor), NOTICES[*notice].into(), [x, 0.1, z + 0.3], 4.5, false, false);
+                    hang(Some(corridor), NOTICES[*notice], SignKind::Text, [x, 0.1, z + 0.3], 4.5);
                 }
                 if has(Extra::Brands) && door % 3 == 0 {
-                    hang(Some(corridor), BRANDS[*brand].into(), [x, -0.5, z - 0.4], 5.0, false, false);
+                    hang(Some(corridor), BRANDS[*brand], SignKind::Text, [x, -0.5, z - 0.4], 5.0);
                 }
                 if has(Extra::Pictures) && door % 4 == 1 {
-                    hang(Some(corridor), PICTURES[*picture].into(), [-x, -0.1, z], 5.0, false, true);
+                    hang(Some(corridor), PICTURES[*picture], SignKind::Picture, [-x, -0.1, z], 5.0);
                 }
                 if has(Extra::Directories) && door % 5 == 2 {
                     let names = [1, DOORS / 2].map(|other| naming.plate(floor, wing, first_door + other));
-                    hang(
-                        Some(corridor),
-                        pointer(&names[0], &names[1]),
-                        [0.0, -1.1, z + 0.8],
-                        6.0,
-                        false,
-                        false,
-                    );
-                    let other = (floor + 1) % traits.floors;
-                    hang(
-                        Some(corridor),
-                        naming.plate(other, wing, first_door + door),
-                        [x, -0.9, z + 0.6],
-                        5.0,
-                        false,
-                        false,
-                    );
+                    let text = pointer(&names[0], &names[1]);
+                    hang(Some(corridor), &text, SignKind::Text, [0.0, -1.1, z + 0.8], 6.0);
+                    let other = naming.plate((floor + 1) % traits.floors, wing, first_door + door);
+                    hang(Some(corridor), &other, SignKind::Text, [x, -0.9, z + 0.6], 5.0);
                 }
             }
             for at in [6.0, 20.0] {
-                hang(Some(corridor), COMMON[common].into(), [0.0, -1.2, at], 8.0, false, false);
+                hang(Some(corridor), COMMON[common], SignKind::Text, [0.0, -1.2, at], 8.0);
             }
             if traits.starts_in_room {
                 let room = Space { is_room: true, ..corridor };
                 let [x, z] = ROOM;
                 for (number, (.., picture)) in pattern.iter().take(4).enumerate() {
                     let (dx, dz) = [(2.4, 0.6), (-0.6, 2.4), (-2.4, -0.6), (0.6, -2.4)][number];
-                    hang(Some(room), PICTURES[*picture].into(), [x + dx, -0.1, z + dz], 5.0, false, true);
+                    hang(Some(room), PICTURES[*picture], SignKind::Picture, [x + dx, -0.1, z + dz], 5.0);
                 }
             }
         }
         if has(Extra::Billboards) {
             for (number, text) in BILLBOARDS.iter().enumerate() {
-                let at =
-                    Point3::new(8.0 * number as f64 - 12.0, -2.0, CORRIDOR_M + 25.0 + 3.0 * number as f64);
-                let sign = Sign {
-                    space: None,
-                    text: (*text).into(),
-                    is_picture: false,
-                    is_plate: false,
-                    at,
-                    range_m: 45.0,
-                };
-                signs.push(sign);
+                let at = [8.0 * number as f64 - 12.0, -2.0, CORRIDOR_M + 25.0 + 3.0 * number as f64];
+                hang(None, text, SignKind::Text, at, 45.0);
             }
         }
         Self { traits, seed, signs }
