@@ -117,9 +117,10 @@ impl Decorator<'_> {
         if signs.prints > 0 {
             titles = (0..titles.len()).map(|number| titles[number % signs.prints].clone()).collect();
         }
-        let look_of_painting = |number: usize, rng: &mut SeededRng| match prints.len() {
-            0 => look_like_no_other(rng),
-            different => prints[number % different].clone(),
+        let painting = |number: usize, rng: &mut SeededRng| match prints.len() {
+            _ if signs.repeated => (titles[0].clone(), same_painting.clone()),
+            0 => (titles[number].clone(), look_like_no_other(rng)),
+            different => (titles[number].clone(), prints[number % different].clone()),
         };
         let floor_number = numbers[0].chars().take(numbers[0].len().saturating_sub(2)).collect::<String>();
         for (number, room) in self.plan.rooms.iter().enumerate() {
@@ -138,11 +139,7 @@ impl Decorator<'_> {
             let free = PAINTING_U_M.into_iter().find(|u| self.is_free(room.door.at(*u, opposite)));
             if let Some(u) = free {
                 let spot = place(&room.door, u, opposite, PAINTING_Z_M, 1.0);
-                let (title, look) = if signs.repeated {
-                    (titles[0].clone(), same_painting.clone())
-                } else {
-                    (titles[number].clone(), look_of_painting(number, rng))
-                };
+                let (title, look) = painting(number, rng);
                 hung.push(self.sign(SignKind::Painting, title, spot, &look, rng));
             }
             if signs.repeated {
@@ -163,14 +160,7 @@ impl Decorator<'_> {
             hung.push(self.sign(SignKind::ExitSign, text.to_owned(), spot, &exit, rng));
             for (number, wall) in [ahead, aside].into_iter().enumerate() {
                 let spot = place(&wall, 0.0, CORRIDOR_HALF_WIDTH_M, PAINTING_Z_M, -1.0);
-                let (title, look) = if signs.repeated {
-                    (titles[0].clone(), same_painting.clone())
-                } else {
-                    {
-                        let number = rooms + 2 * corner + number;
-                        (titles[number].clone(), look_of_painting(number, rng))
-                    }
-                };
+                let (title, look) = painting(rooms + 2 * corner + number, rng);
                 hung.push(self.sign(SignKind::Painting, title, spot, &look, rng));
             }
         }
