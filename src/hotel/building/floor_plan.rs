@@ -223,6 +223,17 @@ impl FloorPlan {
         self.layout.pitch_m - ROOM_LEFT_M - 0.1
     }
 
+    /// Whether a point is on a wall.
+    pub fn has_wall_at(&self, at: Flat) -> bool {
+        self.walls.iter().any(|wall| {
+            let (dx, dy) = (wall.to[0] - wall.from[0], wall.to[1] - wall.from[1]);
+            let length = dx.hypot(dy);
+            let (tx, ty) = (at[0] - wall.from[0], at[1] - wall.from[1]);
+            let (along, off) = ((tx * dx + ty * dy) / length, (tx * dy - ty * dx) / length);
+            (0.0..=length).contains(&along) && off.abs() < 0.05
+        })
+    }
+
     /// Returns the walls within this range of a point.
     pub fn walls_around(&self, eye: Flat, range_m: f64) -> Vec<Wall> {
         self.walls.iter().copied().filter(|wall| distance_m(eye, wall) < range_m).collect()

@@ -129,16 +129,8 @@ impl Model {
 
     /// Builds a corner of the corridor: `spot` is in its middle and faces the wall ahead of a robot that will turn
     /// left.
-    pub fn furnish_corner(
-        &self,
-        spot: &Spot,
-        rng: &mut SeededRng,
-        keep: impl Fn([f64; 2]) -> bool,
-    ) -> Vec<WorldPoint> {
-        (self.corner.iter())
-            .map(|model| copied(model, spot, rng))
-            .filter(|point| keep([point.position[0], point.position[1]]))
-            .collect()
+    pub fn furnish_corner(&self, spot: &Spot, plan: &FloorPlan, rng: &mut SeededRng) -> Vec<WorldPoint> {
+        copied_on_walls(&self.corner, spot, plan, rng).collect()
     }
 
     /// Builds the room behind this door, with its guest's belongings.
@@ -164,14 +156,13 @@ impl Model {
         points
     }
 
-    /// Builds the stretch of corridor to the right of this door; `keep` selects the points that lie on a wall.
+    /// Builds the stretch of corridor to the right of this door.
     pub fn furnish_stretch(
         &self,
         door: &Spot,
         plan: &FloorPlan,
         patterns: &Patterns,
         rng: &mut SeededRng,
-        keep: impl Fn([f64; 2]) -> bool,
     ) -> Vec<WorldPoint> {
         let own = (0..OWN_POINTS).map(|number| {
             let (v, normal) = if number % 2 == 0 { (0.0, -1.0) } else { (-2.0 * CORRIDOR_HALF_WIDTH_M, 1.0) };
@@ -180,10 +171,7 @@ impl Model {
             model_point([u, v, z], [0.0, normal, 0.0], patterns, rng)
         });
         let own: Vec<WorldPoint> = own.collect();
-        (self.stretch.iter().chain(&own))
-            .map(|model| copied(model, door, rng))
-            .filter(|point| keep([point.position[0], point.position[1]]))
-            .collect()
+        copied_on_walls(self.stretch.iter().chain(&own), door, plan, rng).collect()
     }
 }
 
@@ -217,6 +205,18 @@ fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, rng: &
         reference_m: rng.within(REFERENCE_M[0].ln(), REFERENCE_M[1].ln()).exp(),
         angle_deg: rng.within(0.0, 360.0),
     }
+}
+
+/// Copies points of a model past doors and corners, and drops those that are on no wall.
+fn copied_on_walls<'m>(
+    model: impl IntoIterator<Item = &'m WorldPoint>,
+    spot: &Spot,
+    plan: &FloorPlan,
+    rng: &mut SeededRng,
+) -> impl Iterator<Item = WorldPoint> {
+    (model.into_iter())
+        .map(move |model| copied(model, spot, rng))
+        .filter(move |point| plan.has_wall_at([point.position[0], point.position[1]]))
 }
 
 fn copied(model: &WorldPoint, spot: &Spot, rng: &mut SeededRng) -> WorldPoint {

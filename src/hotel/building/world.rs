@@ -57,13 +57,12 @@ impl World {
             points.extend(model.furnish_room(&room.door, &plan, patterns, &mut rng));
         }
         for bay in &plan.bays {
-            let keep = |at: [f64; 2]| is_on_a_wall(&plan, at);
-            points.extend(model.furnish_stretch(bay, &plan, patterns, &mut rng, keep));
+            points.extend(model.furnish_stretch(bay, &plan, patterns, &mut rng));
         }
         for corner_m in plan.corners_m() {
             let ([x, y], heading) = plan.centreline(corner_m - 1e-6);
             let spot = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
-            points.extend(model.furnish_corner(&spot, &mut rng, |at| is_on_a_wall(&plan, at)));
+            points.extend(model.furnish_corner(&spot, &plan, &mut rng));
         }
         let numbers: Vec<String> =
             (1..=plan.rooms.len()).map(|n| format!("{}{n:02}", of.floor + storey as u32)).collect();
@@ -97,15 +96,4 @@ impl World {
             self.renumbered.insert(number);
         }
     }
-}
-
-/// Whether a point is on a wall: stretches of corridor are copied past doors and corners, and the rest is dropped.
-fn is_on_a_wall(plan: &FloorPlan, at: [f64; 2]) -> bool {
-    plan.walls.iter().any(|wall| {
-        let (dx, dy) = (wall.to[0] - wall.from[0], wall.to[1] - wall.from[1]);
-        let length = dx.hypot(dy);
-        let (tx, ty) = (at[0] - wall.from[0], at[1] - wall.from[1]);
-        let (along, off) = ((tx * dx + ty * dy) / length, (tx * dy - ty * dx) / length);
-        (0.0..=length).contains(&along) && off.abs() < 0.05
-    })
 }
