@@ -18,17 +18,16 @@ use crate::api::release::ReleaseBody;
 use crate::client::{Client, ClientError};
 use crate::config::listen;
 use crate::domain::verdict::Decision;
-use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
 use crate::hotel::rng::SeededRng;
 use crate::hotel::robot::client::Robot;
 use crate::hotel::route::tour;
-use crate::hotel::run::{self, AnsweredQuery, RunResult, absolute_pose_error_m, drive};
+use crate::hotel::run::{self, AnsweredQuery, RunResult, drive};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::explain::{Narrator, keyframe_id};
 use crate::hotel::scoring::paper::SEQUENCES;
-use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scoring::results::SequenceResult;
 use crate::hotel::scoring::tables;
 use crate::hotel::sensing::noise::NoiseKind;
 use crate::hotel::sequence::Sequence;
@@ -111,19 +110,8 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
             drive(&client, &map, arm, &scenario.course, |asked| progress.count(asked, false)).await?;
         drives.push(driven);
     }
-    let result = SequenceResult {
-        sequence: printed.name(),
-        keyframes: scenario.course.order.len(),
-        odometry_m: absolute_pose_error_m(
-            &scenario.course.journeys,
-            &run::odometry(&scenario.course),
-            Scale::Fixed,
-        ),
-        arms: drives.iter().map(ArmResult::of).collect(),
-        confusion: Confusion::of(&drives[2]),
-        printed,
-    };
-    let results = [result];
+    let odometry = run::odometry(&scenario.course);
+    let results = [SequenceResult::of(printed, &scenario.course, &odometry, &drives)];
     let (table_2, caveats) = (tables::table_2(&results), tables::caveats(&results));
     write_out(&format!("\n{table_2}\n{caveats}\n{}\n", tables::table_3(&results)))?;
     if args.exit {

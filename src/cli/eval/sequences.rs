@@ -9,13 +9,12 @@ use super::words_alone::words_alone;
 use crate::cli::failure::Failure;
 use crate::cli::output::write_out;
 use crate::client::Client;
-use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
-use crate::hotel::run::{self, absolute_pose_error_m, drive};
+use crate::hotel::run::{self, drive};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
-use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scoring::results::SequenceResult;
 use crate::hotel::scoring::tables;
 
 /// Runs the selected sequences, by default all twelve, prints the tables and writes the files.
@@ -60,17 +59,6 @@ async fn drive_sequence(
         client.delete_map(&map).await?;
         shown.end();
     }
-    let result = SequenceResult {
-        sequence: printed.name(),
-        keyframes: scenario.course.order.len(),
-        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &odometry, Scale::Fixed),
-        arms: arms.iter().map(ArmResult::of).collect(),
-        confusion: arms
-            .iter()
-            .find(|driven| driven.arm == Method::BagOfWords)
-            .map(Confusion::of)
-            .unwrap_or_default(),
-        printed,
-    };
+    let result = SequenceResult::of(printed, &scenario.course, &odometry, &arms);
     Ok(Driven12 { result, scenario, arms, odometry })
 }

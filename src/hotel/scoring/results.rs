@@ -8,9 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::fleet::FleetResult;
 use super::paper::PrintedSequence;
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
+use crate::geometry::Pose;
+use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::renumbering::{Round, Signs};
 use crate::hotel::method::Method;
-use crate::hotel::run::{AnsweredQuery, RunResult};
+use crate::hotel::run::{AnsweredQuery, Course, RunResult, absolute_pose_error_m};
 use crate::hotel::sensing::monocular::ScaleError;
 use crate::hotel::sensing::noise::NoiseKind;
 
@@ -82,6 +84,26 @@ pub struct SequenceResult {
     /// The paper's figures for it.
     #[serde(skip)]
     pub printed: PrintedSequence,
+}
+
+impl SequenceResult {
+    /// Returns the results of the arms on a course; `odometry` are the robots' poses by it alone.
+    pub fn of(
+        printed: PrintedSequence,
+        course: &Course,
+        odometry: &[Vec<Pose>],
+        drives: &[RunResult],
+    ) -> Self {
+        let bag_of_words = drives.iter().find(|driven| driven.arm == Method::BagOfWords);
+        Self {
+            sequence: printed.name(),
+            keyframes: course.order.len(),
+            odometry_m: absolute_pose_error_m(&course.journeys, odometry, Scale::Fixed),
+            arms: drives.iter().map(ArmResult::of).collect(),
+            confusion: bag_of_words.map(Confusion::of).unwrap_or_default(),
+            printed,
+        }
+    }
 }
 
 /// The median figures of correct and wrong loops of the arm without anchors. Except for their count, they cover loops
