@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::answered::{Answered, Labels};
@@ -32,22 +33,15 @@ pub(super) struct Player {
     played: Played,
 }
 
-/// The results of a recording.
-#[derive(Debug, Default)]
-pub(super) struct Played {
-    /// The maps declared, as the server knows them.
-    pub maps: BTreeSet<String>,
+/// Numbers of operations that were performed.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Performed {
     /// Keyframes stored.
     pub keyframes: u64,
-    /// Of these, the ones that the server had before.
-    pub replayed_keyframes: u64,
-    /// Loops closed.
-    pub loops: u64,
-    /// Corrections of poses.
-    pub poses: u64,
+    pub closed_loops: u64,
+    pub pose_corrections: u64,
     /// Changes of what keyframes observe.
-    pub observations: u64,
-    /// Merges of sessions.
+    pub observation_changes: u64,
     pub session_merges: u64,
     /// Prior anchors put.
     pub priors: u64,
@@ -57,6 +51,17 @@ pub(super) struct Played {
     pub judgements: u64,
     /// Keyframes, anchors and loops removed.
     pub deletions: u64,
+}
+
+/// The results of a recording.
+#[derive(Debug, Default)]
+pub(super) struct Played {
+    /// The maps declared, as the server knows them.
+    pub maps: BTreeSet<String>,
+    /// The operations that were performed.
+    pub performed: Performed,
+    /// Of the keyframes stored, the ones that the server had before.
+    pub replayed_keyframes: u64,
     /// Lines that the server rejected.
     pub failed: u64,
     /// Every query that was answered.
@@ -109,7 +114,7 @@ impl Player {
                     return Err(ReplayError::Refused { line: number, what, source });
                 }
             }
-            let (keyframes, queries) = (self.played.keyframes, self.played.queries.len());
+            let (keyframes, queries) = (self.played.performed.keyframes, self.played.queries.len());
             self.progress.set_message(format!("{map}: {keyframes} keyframes, {queries} queries"));
         }
         Ok(self.played)
@@ -125,36 +130,36 @@ impl Player {
             }
             Op::Loop { body } => {
                 self.client.post_loop(map, &Recorded(body)).await?;
-                self.played.loops += 1;
+                self.played.performed.closed_loops += 1;
             }
             Op::Poses { body } => {
                 self.client.post_poses(map, &Recorded(body)).await?;
-                self.played.poses += 1;
+                self.played.performed.pose_corrections += 1;
             }
             Op::Observations { body } => {
                 self.client.post_observations(map, &Recorded(body)).await?;
-                self.played.observations += 1;
+                self.played.performed.observation_changes += 1;
             }
             Op::MergeSessions { session, body } => {
                 self.client.merge_sessions(map, &session, &Recorded(body)).await?;
-                self.played.session_merges += 1;
+                self.played.performed.session_merges += 1;
             }
             Op::Anchor { id, body } => {
                 self.client.put_prior_anchor(map, &id, &Recorded(body)).await?;
-                self.played.priors += 1;
+                self.played.performed.priors += 1;
             }
             Op::Description { keyframe, detection, body } => {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
                 self.client.patch_anchor(map, &anchor, &Recorded(body)).await?;
-                self.played.descriptions += 1;
+                self.played.performed.descriptions += 1;
             }
             Op::Judgement { body } => {
                 self.client.post_model_verdict(map, &Recorded(body)).await?;
-                self.played.judgements += 1;
+                self.played.performed.judgements += 1;
             }
             Op::Delete(deleted) => {
                 self.delete(map, deleted).await?;
-                self.played.deletions += 1;
+                self.played.performed.deletions += 1;
             }
         }
         Ok(())
@@ -195,7 +200,7 @@ impl Player {
         let start = Instant::now();
         let answer = self.client.put_keyframe(map, id, &body, false).await?;
         self.played.keyframe_times.add(start.elapsed());
-        self.played.keyframes += 1;
+        self.played.performed.keyframes += 1;
         if answer.replayed {
             if self.played.replayed_keyframes == 0 {
                 self.say(&format!(

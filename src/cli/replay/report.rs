@@ -9,7 +9,7 @@ use super::answered::{Answered, Figures};
 use super::arguments::ReplayArgs;
 use super::frames::TransformErrors;
 use super::latency::Latency;
-use super::play::Played;
+use super::play::{Performed, Played};
 use super::score::{Accuracy, BowOnly, accuracy, bow_only};
 use crate::api::verdict::ReasonView;
 use crate::domain::verdict::Decision;
@@ -21,15 +21,8 @@ pub(super) struct Report {
     /// Settings changed for this replay.
     pub settings: Map<String, Value>,
     pub maps: usize,
-    pub keyframes: u64,
-    pub closed_loops: u64,
-    pub pose_corrections: u64,
-    pub observation_changes: u64,
-    pub session_merges: u64,
-    pub priors: u64,
-    pub descriptions: u64,
-    pub judgements: u64,
-    pub deletions: u64,
+    #[serde(flatten)]
+    pub performed: Performed,
     /// Queries answered.
     pub queries: usize,
     /// Of the queries scored.
@@ -94,15 +87,7 @@ impl Report {
             recording: args.file.display().to_string(),
             settings: args.overrides.changes(),
             maps: played.maps.len(),
-            keyframes: played.keyframes,
-            closed_loops: played.loops,
-            pose_corrections: played.poses,
-            observation_changes: played.observations,
-            session_merges: played.session_merges,
-            priors: played.priors,
-            descriptions: played.descriptions,
-            judgements: played.judgements,
-            deletions: played.deletions,
+            performed: played.performed,
             queries: queries.len(),
             accuracy: accuracy(&service),
             no_loop: count(|query| query.verdict == Decision::NoLoop),

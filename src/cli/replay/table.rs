@@ -21,17 +21,18 @@ impl Display for Report {
 }
 
 fn write_recording(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
+    let performed = &report.performed;
     let contents = [
         (report.maps as u64, "map", "maps"),
-        (report.keyframes, "keyframe", "keyframes"),
-        (report.closed_loops, "closed loop", "closed loops"),
-        (report.pose_corrections, "pose correction", "pose corrections"),
-        (report.observation_changes, "change of observations", "changes of observations"),
-        (report.session_merges, "merge of sessions", "merges of sessions"),
-        (report.priors, "prior anchor", "prior anchors"),
-        (report.descriptions, "description by hand", "descriptions by hand"),
-        (report.judgements, "model verdict", "model verdicts"),
-        (report.deletions, "deletion", "deletions"),
+        (performed.keyframes, "keyframe", "keyframes"),
+        (performed.closed_loops, "closed loop", "closed loops"),
+        (performed.pose_corrections, "pose correction", "pose corrections"),
+        (performed.observation_changes, "change of observations", "changes of observations"),
+        (performed.session_merges, "merge of sessions", "merges of sessions"),
+        (performed.priors, "prior anchor", "prior anchors"),
+        (performed.descriptions, "description by hand", "descriptions by hand"),
+        (performed.judgements, "model verdict", "model verdicts"),
+        (performed.deletions, "deletion", "deletions"),
         (report.queries as u64, "query", "queries"),
     ];
     let contents: Vec<String> = contents
