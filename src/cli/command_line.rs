@@ -45,7 +45,7 @@ impl Cli {
     pub async fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Serve(args) => serve::run(*args).await,
-            Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
+            Command::Replay(args) => replay::run(args, serve::own_server).await,
             #[cfg(feature = "hotel")]
             Command::Demo(args) => demo::run(args).await,
             #[cfg(feature = "hotel")]

@@ -14,7 +14,6 @@
 
 mod answered;
 mod arguments;
-mod error;
 mod frames;
 mod latency;
 mod overrides;
@@ -27,10 +26,9 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use std::error::Error;
-
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::cli::failure::Failure;
 use crate::cli::output::write_out;
 use crate::client::Client;
 use frames::Frames;
@@ -39,36 +37,42 @@ use recording::Recording;
 use report::Report;
 
 pub use arguments::ReplayArgs;
-pub use error::ReplayError;
 pub use overrides::{Overrides, Setting};
 pub use own_server::OwnServer;
 pub use recording::{LineError, count_operations};
 
 /// Runs `revisit replay`; `own_server` starts a server on a temporary database, if one is needed.
-pub async fn run<S>(args: ReplayArgs, own_server: S) -> Result<(), ReplayError>
+pub async fn run<S>(args: ReplayArgs, own_server: S) -> Result<(), Failure>
 where
-    S: AsyncFnOnce() -> Result<OwnServer, Box<dyn Error + Send + Sync>>,
+    S: AsyncFnOnce() -> Result<OwnServer, Failure>,
 {
     let report = replay(&args, own_server).await?;
     let text = if args.json { format!("{}\n", report.to_json()) } else { report.to_string() };
-    write_out(&text)?;
+    write_out(&text).map_err(|error| format!("cannot write the score: {error}"))?;
     match report.failed {
         0 => Ok(()),
-        failed => Err(ReplayError::Incomplete { failed }),
+        failed => {
+            let lines = "of the recording's lines were rejected: the score covers only the others";
+            Err(format!("{failed} {lines}").into())
+        }
     }
 }
 
-async fn replay<S>(args: &ReplayArgs, own_server: S) -> Result<Report, ReplayError>
+async fn replay<S>(args: &ReplayArgs, own_server: S) -> Result<Report, Failure>
 where
-    S: AsyncFnOnce() -> Result<OwnServer, Box<dyn Error + Send + Sync>>,
+    S: AsyncFnOnce() -> Result<OwnServer, Failure>,
 {
     let progress = progress_bar();
-    let recording = open(args, &progress)?;
-    let frames = args.frames.as_deref().map(Frames::read).transpose().map_err(ReplayError::Frames)?;
+    let recording = Recording::open(&args.file, &progress)
+        .map_err(|error| format!("cannot read {}: {error}", args.file.display()))?;
+    let frames = args.frames.as_deref().map(Frames::read).transpose()?;
     // Kept to the end, because dropping it stops the server.
     let own_server = match &args.server {
         Some(_) => None,
-        None => Some(own_server().await.map_err(ReplayError::OwnServer)?),
+        None => Some(
+            (own_server().await)
+                .map_err(|error| format!("cannot start a server to replay against: {error}"))?,
+        ),
     };
     let client = connect(args, own_server.as_ref())?;
     let player = Player::new(client, args, progress.clone(), frames.unwrap_or_default());
@@ -84,15 +88,10 @@ fn progress_bar() -> ProgressBar {
     ProgressBar::no_length().with_style(style)
 }
 
-fn open(args: &ReplayArgs, progress: &ProgressBar) -> Result<Recording, ReplayError> {
-    Recording::open(&args.file, progress)
-        .map_err(|source| ReplayError::Open { path: args.file.clone(), source })
-}
-
-fn connect(args: &ReplayArgs, own_server: Option<&OwnServer>) -> Result<Client, ReplayError> {
+fn connect(args: &ReplayArgs, own_server: Option<&OwnServer>) -> Result<Client, Failure> {
     let url = own_server.map(OwnServer::url);
     let url = url.or(args.server.as_deref()).unwrap_or_default();
-    let client = Client::new(url).map_err(ReplayError::Address)?;
+    let client = Client::new(url)?;
     Ok(match (&args.key, own_server) {
         (Some(key), None) => client.with_key(key),
         _ => client,

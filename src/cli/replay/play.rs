@@ -10,11 +10,11 @@ use serde_json::{Map, Value};
 
 use super::answered::{Answered, Labels};
 use super::arguments::ReplayArgs;
-use super::error::ReplayError;
 use super::frames::Frames;
 use super::latency::Times;
 use super::overrides::Overrides;
 use super::recording::{Body, Deleted, Line, Op, Recording};
+use crate::cli::failure::Failure;
 use crate::client::{Client, ClientError, Recorded};
 
 /// The HTTP status of an existing resource with other content.
@@ -89,7 +89,7 @@ impl Player {
     }
 
     /// Plays every line, up to the first that fails.
-    pub async fn play(mut self, recording: Recording) -> Result<Played, ReplayError> {
+    pub async fn play(mut self, recording: Recording) -> Result<Played, Failure> {
         for line in recording {
             let Line { number, map, op } = line?;
             let map = format!("{}{map}", self.map_prefix);
@@ -103,16 +103,14 @@ impl Player {
                     self.say(&format!("line {number}, {what}: {source}"));
                 }
                 Err(source) if self.is_of_another_replay(&map, &source) => {
-                    return Err(ReplayError::MapExists {
-                        line: number,
-                        map,
-                        server: self.client.base_url().to_owned(),
-                        source,
-                    });
+                    let server = self.client.base_url();
+                    return Err(format!(
+                        "line {number}: {server} already has a map {map:?} with other content; replay beside it with \
+                         --map-prefix (such as --map-prefix again-), or delete it first\n{source}"
+                    )
+                    .into());
                 }
-                Err(source) => {
-                    return Err(ReplayError::Refused { line: number, what, source });
-                }
+                Err(source) => return Err(format!("line {number}, {what}: {source}").into()),
             }
             let (keyframes, queries) = (self.played.performed.keyframes, self.played.queries.len());
             self.progress.set_message(format!("{map}: {keyframes} keyframes, {queries} queries"));

@@ -31,7 +31,7 @@ impl Drop for StopOnDrop {
     }
 }
 
-async fn stub(seen: Seen) -> Result<OwnServer, Box<dyn Error + Send + Sync>> {
+async fn stub(seen: Seen) -> Result<OwnServer, Failure> {
     let handler = move |method: Method, uri: Uri, body: Bytes| {
         let body: Value = serde_json::from_slice(&body).expect("a body");
         let request = format!("{method} {uri}");
@@ -122,7 +122,7 @@ const RECORDING: &str = r#"{"op":"map","id":"m","body":{"settings":{"candidates_
 "#;
 
 /// Replays `recording` with these flags; returns the requests and the result.
-async fn play(recording: &str, flags: &[&str]) -> (Vec<(String, Value)>, Result<Report, ReplayError>) {
+async fn play(recording: &str, flags: &[&str]) -> (Vec<(String, Value)>, Result<Report, Failure>) {
     let file = tempfile::NamedTempFile::new().expect("a temporary file");
     std::fs::write(file.path(), recording).expect("a temporary file");
     let path = file.path().to_str().expect("a plain name");
