@@ -11,6 +11,7 @@ use super::scoring::absolute_pose_error::rmse_after_alignment;
 use super::scoring::score::{Outcome, Scored};
 use super::scoring::truth::{Answerable, KeyframeIndex, answers, apart_m};
 use super::sensing::monocular::{self, ScaleError};
+use super::sensing::odometry::integrate;
 use super::sequence::Sequence;
 use crate::api::verdict::{CandidateView, LoopAnswer};
 use crate::client::Client;
@@ -187,14 +188,11 @@ pub async fn drive(
 
 /// Returns the robots' poses by odometry alone.
 pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
-    let motions = |journey: &Sequence| -> Vec<Pose> {
-        let after_first = journey.steps.iter().skip(1);
-        super::sensing::odometry::integrate(
-            &Pose::identity(),
-            &after_first.map(|step| step.motion).collect::<Vec<_>>(),
-        )
+    let poses = |journey: &Sequence| {
+        let motions: Vec<Pose> = journey.steps.iter().skip(1).map(|step| step.motion).collect();
+        integrate(&motions)
     };
-    course.journeys.iter().map(motions).collect()
+    course.journeys.iter().map(poses).collect()
 }
 
 /// Returns the RMSE of the robots' positions, each aligned with its own truth, in metres.

@@ -44,7 +44,7 @@ pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Ve
     let errors = errors(&motions, rng);
     let centres: Vec<Point3> = truth.iter().map(Pose::centre).collect();
     let off_m = |scale: f64| {
-        let estimate = integrate(&Pose::identity(), &erring(&motions, &errors, scale));
+        let estimate = integrate(&erring(&motions, &errors, scale));
         let estimate: Vec<Point3> = estimate.iter().map(Pose::centre).collect();
         rmse_after_alignment(&estimate, &centres, Scale::Fixed).unwrap_or(0.0)
     };
@@ -59,9 +59,9 @@ pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Ve
     erring(&motions, &errors, f64::midpoint(low, high))
 }
 
-/// Integrates motions from a first pose.
-pub fn integrate(first: &Pose, motions: &[Pose]) -> Vec<Pose> {
-    let mut poses = vec![*first];
+/// Integrates motions from the identity.
+pub fn integrate(motions: &[Pose]) -> Vec<Pose> {
+    let mut poses = vec![Pose::identity()];
     for motion in motions {
         poses.push(poses[poses.len() - 1].after(motion));
     }
@@ -138,8 +138,7 @@ mod tests {
             .collect();
         for drift_m in [0.22, 0.96] {
             let motions = drifting_motions(&truth, drift_m, &mut SeededRng::new(1, "odometry"));
-            let estimate: Vec<Point3> =
-                integrate(&Pose::identity(), &motions).iter().map(Pose::centre).collect();
+            let estimate: Vec<Point3> = integrate(&motions).iter().map(Pose::centre).collect();
             let centres: Vec<Point3> = truth.iter().map(Pose::centre).collect();
             let off_m = rmse_after_alignment(&estimate, &centres, Scale::Fixed).expect("enough points");
             assert!((off_m - drift_m).abs() < 1e-6, "{off_m} instead of {drift_m}");
