@@ -96,8 +96,8 @@ impl Scenario {
         Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
     }
 
-    /// Records one robot per drift, in turn on each of the floors, from the lowest. A further robot on a floor visits half of the
-    /// first one's rooms.
+    /// Records one robot per drift, in turn on each of the floors, from the lowest. A further robot on a floor visits
+    /// half of the first one's rooms.
     fn drive(mut floors: Vec<World>, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());

@@ -1,4 +1,4 @@
-//! Storeys: identical-looking floors of one hotel, with a robot on each and a second one on the lowest.
+//! Storeys: identical-looking floors of one hotel.
 //!
 //! Each floor is furnished from the same models and has the same prints. Floors differ only in door numbers, guests'
 //! belongings, centimetres and a few bits.
