@@ -60,7 +60,7 @@ async fn load_rows(
         Order::Forwards => {
             take(sessions);
             load_points(db, key, &known, &mut take).await?;
-            load_keyframes(db, key, &mut known, &mut take).await?;
+            load_keyframes(db, key, order, &mut known, &mut take).await?;
             take(model_rows::verdicts(db, key).await?);
             take(anchors(db, key, &mut known).await?);
             take(prior_rows::all(db, key, &known).await?);
@@ -73,7 +73,7 @@ async fn load_rows(
         }
         Order::Backwards => {
             take(reversed(sessions));
-            load_keyframes_backwards(db, key, &mut known, &mut take).await?;
+            load_keyframes(db, key, order, &mut known, &mut take).await?;
             take(anchors(db, key, &mut known).await?);
             let mut observed = Vec::new();
             load_observations(db, key, &known, &mut |part| observed.extend(part)).await?;
@@ -167,17 +167,21 @@ async fn load_points(
 async fn load_keyframes(
     db: &mut Db,
     key: MapKey,
+    order: Order,
     known: &mut Known,
     take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
     // An older keyframe may be declared covisible with a younger one, by what its client said later.
     known.keyframes = standing(db, key).await?;
+    let (mut last, condition) = match order {
+        Order::Forwards => (-1_i64, "keyframe > $2 order by keyframe"),
+        Order::Backwards => (i64::MAX, "keyframe < $2 order by keyframe desc"),
+    };
     let select = format!(
         "select keyframes.*, {} from keyframes left join keyframe_points using (map_key, keyframe)
-        where map_key = $1 and keyframe > $2 order by keyframe limit $3",
+        where map_key = $1 and {condition} limit $3",
         observation_rows::JOINED
     );
-    let mut last = -1_i64;
     loop {
         let select = AssertSqlSafe(select.as_str());
         let rows = sql::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
@@ -192,34 +196,10 @@ async fn load_keyframes(
             added.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow)));
             added.extend(global_descriptor(row, seq, known)?);
         }
-        take(added);
-    }
-}
-
-async fn load_keyframes_backwards(
-    db: &mut Db,
-    key: MapKey,
-    known: &mut Known,
-    take: &mut (impl FnMut(Vec<Change>) + Send),
-) -> Result<(), StoreError> {
-    known.keyframes = standing(db, key).await?;
-    let select = format!(
-        "select keyframes.*, {} from keyframes left join keyframe_points using (map_key, keyframe)
-        where map_key = $1 and keyframe < $2 order by keyframe desc limit $3",
-        observation_rows::JOINED
-    );
-    let mut last = i64::MAX;
-    loop {
-        let select = AssertSqlSafe(select.as_str());
-        let rows = sql::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
-        let Some(row) = rows.last() else { return Ok(()) };
-        last = row.try_get("keyframe")?;
-        for row in &rows {
-            let (mut keyframe, bow) = keyframe(row, known)?;
-            let seq = keyframe.seq;
-            keyframe.declared = declared_of(&keyframe, &known.keyframes);
-            take(vec![Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
-            take(Vec::from_iter(global_descriptor(row, seq, known)?));
+        match order {
+            Order::Forwards => take(added),
+            // One by one: the index derives all that it holds at every part.
+            Order::Backwards => added.into_iter().for_each(|change| take(vec![change])),
         }
     }
 }
