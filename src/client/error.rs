@@ -1,12 +1,12 @@
 //! Error: a request that failed, said so that the person at the keyboard knows what to do.
 
-use std::error::Error;
 use std::fmt;
 
 use reqwest::StatusCode;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::config::tls::cause_of;
 use crate::domain::ids::IdError;
 
 /// A body that is not problem+json is quoted up to this many characters.
@@ -30,7 +30,7 @@ pub enum ClientError {
     #[error(transparent)]
     BadId(#[from] IdError),
     /// The server was not reached, or did not answer.
-    #[error("{url}: {}", root_cause(.source))]
+    #[error("{url}: {}", cause_of(.source))]
     Transport {
         /// The address that was asked.
         url: String,
@@ -82,14 +82,6 @@ impl From<Problem> for ClientError {
 }
 
 /// "Connection refused" is at the bottom of reqwest's chain; what is above it helps nobody.
-fn root_cause(error: &reqwest::Error) -> String {
-    let mut cause: &dyn Error = error;
-    while let Some(below) = cause.source() {
-        cause = below;
-    }
-    cause.to_string()
-}
-
 /// An answer of 400 or above, as `application/problem+json` says it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
@@ -148,7 +140,7 @@ fn quoted(body: &[u8]) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-impl Error for Problem {}
+impl std::error::Error for Problem {}
 
 /// One line for the problem, and one indented line for each fault of the body.
 impl fmt::Display for Problem {

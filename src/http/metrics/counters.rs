@@ -12,7 +12,7 @@ use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
 use super::gauges::{Figures, GAUGES};
-use super::shed_metrics::ShedMetrics;
+use super::shed_metrics::{Label, ShedMetrics};
 use crate::config::build;
 
 /// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
@@ -26,11 +26,11 @@ const KEYS_NAMED: usize = 100;
 pub struct Metrics {
     registry: Registry,
     requests: Family<RequestLabels, Counter>,
-    refusals: Family<RefusalLabels, Counter>,
+    refusals: Family<Label<u16>, Counter>,
     latency: Family<RouteLabels, Histogram>,
-    verdicts: Family<VerdictLabels, Counter>,
-    forwarded: Family<ForwardedLabels, Counter>,
-    by_key: Family<KeyLabels, Counter>,
+    verdicts: Family<Label<&'static str>, Counter>,
+    forwarded: Family<Label<&'static str>, Counter>,
+    by_key: Family<Label<String>, Counter>,
     started: Instant,
     /// Rejected requests and connections.
     pub shed_metrics: ShedMetrics,
@@ -47,29 +47,9 @@ struct RequestLabels {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct RefusalLabels {
-    status: u16,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct RouteLabels {
     method: &'static str,
     route: String,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct VerdictLabels {
-    verdict: &'static str,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct KeyLabels {
-    key: String,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct ForwardedLabels {
-    outcome: &'static str,
 }
 
 impl Default for Metrics {
@@ -82,10 +62,10 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
-        let forwarded = Family::<ForwardedLabels, Counter>::default();
+        let forwarded = Family::<Label<&'static str>, Counter>::default();
         for outcome in ["answered", "copied", "failed"] {
             // Told from the start, so that a rate is one.
-            drop(forwarded.get_or_create(&ForwardedLabels { outcome }));
+            drop(forwarded.get_or_create(&[("outcome", outcome)]));
         }
         registry.register("forwarded", "Requests about maps of other servers", forwarded.clone());
         let by_key = Family::default();
@@ -140,7 +120,7 @@ impl Metrics {
     pub fn answered(&self, method: &str, route: &str, status: u16, took: Duration) {
         let method = known(method);
         if status >= 400 {
-            self.refusals.get_or_create(&RefusalLabels { status }).inc();
+            self.refusals.get_or_create(&[("status", status)]).inc();
         }
         let status = ["1xx", "2xx", "3xx", "4xx", "5xx"][usize::from(status / 100).clamp(1, 5) - 1];
         let route = route.to_owned();
@@ -150,7 +130,7 @@ impl Metrics {
 
     /// Counts a request about a map of another server: `answered` by that one, `copied` from a copy here, or `failed`.
     pub fn forwarded(&self, outcome: &'static str) {
-        self.forwarded.get_or_create(&ForwardedLabels { outcome }).inc();
+        self.forwarded.get_or_create(&[("outcome", outcome)]).inc();
     }
 
     /// Returns all metrics, with the current gauges.
@@ -161,8 +141,8 @@ impl Metrics {
         for (decision, count) in figures.stats.verdicts.each() {
             // Verdicts never given are omitted.
             if count > 0 {
-                let labels = VerdictLabels { verdict: decision.as_str() };
-                self.verdicts.get_or_create(&labels).inner().store(count, Ordering::Relaxed);
+                let label = [("verdict", decision.as_str())];
+                self.verdicts.get_or_create(&label).inner().store(count, Ordering::Relaxed);
             }
         }
         // The oldest keys have labels of their own, so that a label never changes its meaning.
@@ -170,7 +150,7 @@ impl Metrics {
         let rest =
             (!rest.is_empty()).then(|| ("other".to_owned(), rest.iter().map(|(_, count)| count).sum()));
         for (key, count) in named.iter().map(|(seq, count)| (seq.public(), *count)).chain(rest) {
-            self.by_key.get_or_create(&KeyLabels { key }).inner().store(count, Ordering::Relaxed);
+            self.by_key.get_or_create(&[("key", key)]).inner().store(count, Ordering::Relaxed);
         }
         self.map_load.set(figures.stats.loads.load_microseconds as f64 / 1e6);
         let mut out = String::new();

@@ -2,29 +2,21 @@
 
 use std::sync::atomic::AtomicU64;
 
-use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
+
+/// A label by itself: its name and its value.
+pub(super) type Label<V> = [(&'static str, V); 1];
 
 /// The counters of connections and of shed requests.
 #[derive(Debug, Default)]
 pub struct ShedMetrics {
     open_connections: Gauge<u64, AtomicU64>,
     in_flight: Gauge<u64, AtomicU64>,
-    connections: Family<FateLabels, Counter>,
-    shed: Family<ShedLabels, Counter>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct FateLabels {
-    fate: &'static str,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct ShedLabels {
-    what: &'static str,
+    connections: Family<Label<&'static str>, Counter>,
+    shed: Family<Label<&'static str>, Counter>,
 }
 
 impl ShedMetrics {
@@ -48,11 +40,11 @@ impl ShedMetrics {
 
     /// Counts a connection that was `accepted`, `refused` or `evicted`.
     pub fn connection(&self, fate: &'static str) {
-        self.connections.get_or_create(&FateLabels { fate }).inc();
+        self.connections.get_or_create(&[("fate", fate)]).inc();
     }
 
     /// Counts a shed `read`, `write`, large `body` or large `answer`.
     pub fn shed(&self, what: &'static str) {
-        self.shed.get_or_create(&ShedLabels { what }).inc();
+        self.shed.get_or_create(&[("what", what)]).inc();
     }
 }
