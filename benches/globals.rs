@@ -10,12 +10,13 @@ use rand_chacha::ChaCha8Rng;
 use revisit::domain::change::Change;
 use revisit::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use revisit::domain::ids::KeyframeSeq;
+use revisit::recognition::map::covisible_groups::{PlaceLimits, PlaceScratch, best_places};
 use revisit::recognition::map::index::MapIndex;
 
 const SEED: u64 = 20;
 const QUERIES: usize = 200;
-/// 20 places times the 16 keyframes that are ranked for each.
-const RANKED: usize = 320;
+/// For each of them 16 keyframes are ranked.
+const PLACES: usize = 20;
 /// Encoding, bytes of a descriptor, and the time that a query may take at 100,000 keyframes, in milliseconds.
 const FORMS: [(GlobalEncoding, usize, f64); 2] =
     [(GlobalEncoding::Int8, 512, 10.0), (GlobalEncoding::Bits, 1_056, 12.0)];
@@ -44,6 +45,7 @@ fn measure(keyframes: u32, encoding: GlobalEncoding, bytes: usize, goal_ms: f64)
         index.apply(&[Change::GlobalDescriptorSet(KeyframeSeq(keyframe), Box::new(descriptor()))]);
     }
     let (mut queries, mut rankings, mut scores) = (Vec::new(), Vec::new(), Vec::new());
+    let mut place_scratch = PlaceScratch::new();
     for _ in 0..QUERIES {
         let sought = descriptor();
         scores.clear();
@@ -52,9 +54,18 @@ fn measure(keyframes: u32, encoding: GlobalEncoding, bytes: usize, goal_ms: f64)
         queries.push(begun.elapsed());
         assert_eq!(scores.len(), keyframes as usize);
         let begun = Instant::now();
-        let best = index.best_globals(&sought, RANKED, |keyframe| keyframe.0 % 100 == 0);
+        scores.clear();
+        index.globals().score_all(&sought, &mut scores);
+        let best = best_places(
+            || scores.iter().copied(),
+            PlaceLimits { places_max: PLACES, min_score: 0.0 },
+            |keyframe| keyframe % 100 == 0,
+            |a, b| a.cmp(&b),
+            |_| [],
+            &mut place_scratch,
+        );
         rankings.push(begun.elapsed());
-        assert_eq!(best.len(), RANKED.min(keyframes as usize));
+        assert_eq!(best.len(), PLACES.min(keyframes as usize));
     }
     let [query_p50, query_p95] = percentiles_ms(queries);
     let [ranking_p50, ranking_p95] = percentiles_ms(rankings);

@@ -107,7 +107,7 @@ fn greedy<S, N: IntoIterator<Item = u32>>(
 /// Leaves the best `max` keyframes in `best`, sorted, and tells whether those are all that qualify.
 ///
 /// Nearly every keyframe of a large map is beaten by `max` others already seen, and costs one comparison of scores.
-pub(in crate::recognition) fn keep_best(
+fn keep_best(
     scores: impl Iterator<Item = Ranked>,
     min_units: u32,
     excluded: &impl Fn(u32) -> bool,

@@ -255,7 +255,6 @@ impl MapIndex {
         self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
         self.inverted_file.insert(keyframe.seq.0, bow);
         self.seen_by.insert(keyframe.seq.index(), BTreeSet::new());
-        self.bytes += keyframe.bytes;
         self.tally.add_keyframe(keyframe);
         self.keyframes.insert(keyframe.seq.index(), keyframe.clone());
         let sharing = self.covisibility().counted(keyframe.seq);
@@ -277,9 +276,7 @@ impl MapIndex {
     fn forget_parts(&mut self, parts: &ForgottenParts, touched: &mut Touched) {
         let Some(keyframe) = self.keyframes.get_mut(parts.keyframe.index()) else { return };
         self.tally.remove_keyframe(keyframe);
-        self.bytes -= keyframe.bytes;
         keyframe.bytes = keyframe.bytes.saturating_sub(parts.bytes);
-        self.bytes += keyframe.bytes;
         self.tally.add_keyframe(keyframe);
         if parts.global_descriptor {
             self.globals.remove(parts.keyframe);
@@ -302,7 +299,6 @@ impl MapIndex {
         self.points.forget(keyframe.session, keyframe.observes.iter(), seq);
         self.inverted_file.remove(seq.0, bow);
         self.globals.remove(seq);
-        self.bytes -= keyframe.bytes;
         self.tally.remove_keyframe(&keyframe);
         // What others declared about it is no fact of the map any more.
         for (neighbour, _) in self.lists.edges(seq) {

@@ -34,13 +34,11 @@ impl MapIndex {
         self.count_unlinked(seq, false);
         let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { return };
         self.tally.remove_keyframe(keyframe);
-        self.bytes -= keyframe.bytes;
         let session = keyframe.session;
         let observed = std::mem::replace(&mut keyframe.observes, now.observes.clone());
         keyframe.declared.clone_from(&now.declared);
         keyframe.renamed = Some(now.renamed.clone());
         keyframe.bytes = now.bytes;
-        self.bytes += keyframe.bytes;
         self.tally.add_keyframe(keyframe);
         // Only what differs: a point's observers are written anew each time.
         let (old, new): (BTreeSet<PointId>, BTreeSet<PointId>) =

@@ -54,11 +54,6 @@ impl<'a> Covisibility<'a> {
         })
     }
 
-    /// Returns the keyframes of its session that share enough map points with one.
-    pub fn sharing_points(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
-        self.joined(keyframe).filter(|joined| joined.points > 0).map(|joined| joined.other)
-    }
-
     /// Returns the neighbours of a keyframe along the drive (M62), ascending.
     pub fn along_drive(self, keyframe: KeyframeSeq) -> Vec<KeyframeSeq> {
         self.index.along_drive(keyframe)

@@ -17,13 +17,10 @@ use super::tally::Tally;
 use super::texts::TextIndex;
 use super::touched::Touched;
 use super::verdicts::Verdicts;
-use crate::domain::bow::Score;
 use crate::domain::change::{Keyframe, Loop, MissedSign, Twins};
-use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
 use crate::domain::map::{MapFigures, MapProperties};
 use crate::recognition::map::covisibility::CovisibilityLists;
-use crate::recognition::map::covisible_groups::{Ranked, keep_best};
 use crate::recognition::map::dense_map::DenseMap;
 use crate::recognition::map::inverted_file::InvertedFile;
 
@@ -46,7 +43,7 @@ pub struct MapIndex {
     pub(super) session_by_id: HashMap<SessionId, SessionSeq>,
     /// Ordered: a hash map of a million names stops one insert for its whole growth, 0.2 s.
     pub(super) keyframe_by_id: BTreeMap<KeyframeId, KeyframeSeq>,
-    /// Of all sessions, keyframes and loops, on disk.
+    /// Of all sessions and loops, on disk.
     pub(super) bytes: u64,
     pub(super) points: Points,
     pub(super) holders: Holders,
@@ -67,7 +64,7 @@ pub struct MapIndex {
     pub(super) sign_grid: SignGrid,
     pub(super) priors: Priors,
     pub(super) open_merges: OpenMerges,
-    /// Counts for [`Self::memory_bytes`].
+    /// Counts for [`Self::memory_bytes`] and [`Self::bytes`].
     pub(super) tally: Tally,
     /// While a map is loaded part by part: what the parts so far touched. Objects are derived at the end.
     pub(super) put_off: Option<Touched>,
@@ -141,7 +138,8 @@ impl MapIndex {
     /// Returns what the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points,
     /// merges, loops, prior anchors.
     pub fn bytes(&self) -> u64 {
-        self.bytes + self.points.bytes() + self.objects.bytes() + self.priors.bytes()
+        let of_parts = self.points.bytes() + self.objects.bytes() + self.priors.bytes();
+        self.bytes + self.tally.keyframe_bytes + of_parts
     }
 
     /// Returns how much the map holds, as lists of maps show it.
@@ -239,24 +237,6 @@ impl MapIndex {
     /// Returns the global descriptors of the keyframes.
     pub fn globals(&self) -> &Globals {
         &self.globals
-    }
-
-    /// Returns the keyframes, at most `max`, whose global descriptors are most like one, best first, ties by id. One at right
-    /// angles is not alike. None is returned for a descriptor of another form than the map's.
-    pub fn best_globals(
-        &self,
-        sought: &GlobalDescriptor,
-        max: usize,
-        excluded: impl Fn(KeyframeSeq) -> bool,
-    ) -> Vec<(KeyframeSeq, Score)> {
-        let (mut scores, mut best) = (Vec::new(), Vec::new());
-        self.globals.score_all(sought, &mut scores);
-        let id = |keyframe: u32| self.keyframe(KeyframeSeq(keyframe)).map(|keyframe| &keyframe.id);
-        let best_first =
-            |a: &Ranked, b: &Ranked| b.1.units().cmp(&a.1.units()).then_with(|| id(a.0).cmp(&id(b.0)));
-        let is_excluded = |keyframe| excluded(KeyframeSeq(keyframe));
-        keep_best(scores.into_iter(), 1, &is_excluded, best_first, max, &mut best);
-        best.into_iter().map(|(keyframe, score)| (KeyframeSeq(keyframe), score)).collect()
     }
 
     /// Returns the anchors (not objects) that a keyframe sees, ascending.

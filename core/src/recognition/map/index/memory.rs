@@ -34,22 +34,17 @@ const VERDICT: u64 = 400;
 impl MapIndex {
     /// Returns about how much memory the index takes, in bytes. Its cost does not grow with the map.
     pub fn memory_bytes(&self) -> u64 {
-        let Tally { observed_bytes, observations, anchor_points } = self.tally;
+        let Tally { observed_bytes, observations, anchor_points, .. } = self.tally;
         MAP + self.keyframe_count() as u64 * KEYFRAME
             + observed_bytes
             + self.points.heap_bytes() as u64
             + self.lists.entry_count() * NEIGHBOUR
-            + self.anchors_alone() * ANCHOR
+            + self.objects.anchor_count() as u64 * ANCHOR
             + observations * OBSERVATION
             + anchor_points * ANCHOR_POINT
             + self.texts.len() as u64 * TEXT
             + self.texts.verdicts().len() as u64 * VERDICT
             + self.inverted_file.heap_bytes() as u64
             + self.globals.heap_bytes() as u64
-    }
-
-    /// Anchors, each of a merged one counted.
-    fn anchors_alone(&self) -> u64 {
-        self.objects.anchor_count() as u64
     }
 }

@@ -1,4 +1,4 @@
-//! Counts that the estimate of memory rests on.
+//! Counts that the estimate of memory and the size on disk rest on.
 
 use crate::domain::anchor::Observation;
 use crate::domain::change::Keyframe;
@@ -8,6 +8,8 @@ use crate::domain::change::Keyframe;
 pub(super) struct Tally {
     /// Of the lists of points that keyframes observe.
     pub observed_bytes: u64,
+    /// Of the keyframes, on disk.
+    pub keyframe_bytes: u64,
     pub observations: u64,
     pub anchor_points: u64,
 }
@@ -16,11 +18,13 @@ impl Tally {
     /// Counts a keyframe that arrived.
     pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
         self.observed_bytes += observed_bytes(keyframe);
+        self.keyframe_bytes += keyframe.bytes;
     }
 
     /// Forgets a keyframe that is gone.
     pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
         self.observed_bytes -= observed_bytes(keyframe);
+        self.keyframe_bytes -= keyframe.bytes;
     }
 
     /// Counts an observation of an anchor.

@@ -175,7 +175,7 @@ fn check(index: &MapIndex, some: &BTreeSet<u32>) {
         assert_eq!(graph.shared(a.seq).collect::<Vec<_>>(), shared);
         let sharing: Vec<_> =
             letter.iter().filter(|(_, reasons)| reasons.0 > 0).map(|(seq, _)| *seq).collect();
-        assert_eq!(graph.sharing_points(a.seq).collect::<Vec<_>>(), sharing);
+        assert_eq!(graph.sharing(a.seq).iter().map(|(other, _)| *other).collect::<Vec<_>>(), sharing);
         for b in index.keyframes() {
             let reasons = by_the_letter(index, a, b);
             assert_eq!(graph.joins(a.seq, b.seq), reasons.is_some());
