@@ -95,13 +95,14 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             .map(|keyframe| scores.get(keyframe.0).value())
             .min_by(f64::total_cmp)
             .unwrap_or(0.0);
-        let bow = by_bow(index, query, &scores, place_scratch);
+        let bow = best_of_places(index, query, || scores.iter(), place_scratch);
         let anchors = by_anchors(index, query, &scores, places, place_scratch);
         let likenesses = likenesses(index, query);
         let found = match &likenesses {
             None => first_come(bow, anchors),
             Some(likenesses) => {
-                let global = by_global(index, query, likenesses, place_scratch);
+                let likenesses = || likenesses.iter().copied();
+                let global = best_of_places(index, query, likenesses, place_scratch);
                 let rankings = [(Channel::Bow, bow), (Channel::Anchors, anchors), (Channel::Global, global)];
                 fuse(&rankings, |a, b| by_id(index)(a.0, b.0))
             }
@@ -137,25 +138,6 @@ fn likenesses(index: &MapIndex, query: &Query<'_>) -> Option<Vec<Ranked>> {
     Some(likenesses)
 }
 
-/// Returns the keyframe of each place whose global descriptor is most like the query's.
-fn by_global(
-    index: &MapIndex,
-    query: &Query<'_>,
-    likenesses: &[Ranked],
-    scratch: &mut PlaceScratch,
-) -> Vec<KeyframeSeq> {
-    best_of_places(index, query, || likenesses.iter().copied(), scratch)
-}
-
-fn by_bow(
-    index: &MapIndex,
-    query: &Query<'_>,
-    scores: &Scores<'_>,
-    scratch: &mut PlaceScratch,
-) -> Vec<KeyframeSeq> {
-    best_of_places(index, query, || scores.iter(), scratch)
-}
-
 /// Returns the best-scoring keyframe of each place, best first.
 fn best_of_places<I: Iterator<Item = Ranked>>(
     index: &MapIndex,
@@ -186,24 +168,20 @@ fn by_anchors(
             *votes.entry(keyframe).or_default() += 1.0 / places as f64;
         }
     };
+    let keyframes_of =
+        |root| index.objects().get(root).map(|object| index.keyframes_of(object)).unwrap_or_default();
     for root in &query.seen {
         let Some(object) = index.objects().get(*root) else { continue };
         let stands = index.texts().of(*root).map_or(1, |text| places.of_text(index, text));
         vote(other_passages(index, query, object), stands);
         for other in matching::revisits(index, *root).take(MAX_REVISITS_PER_ANCHOR) {
-            vote(
-                index.objects().get(other).map(|object| index.keyframes_of(object)).unwrap_or_default(),
-                stands,
-            );
+            vote(keyframes_of(other), stands);
         }
     }
     for text in query.inline_texts(index) {
         let stands = places.of_text(index, text);
         for other in index.texts().objects(text).take(MAX_REVISITS_PER_ANCHOR) {
-            vote(
-                index.objects().get(other).map(|object| index.keyframes_of(object)).unwrap_or_default(),
-                stands,
-            );
+            vote(keyframes_of(other), stands);
         }
     }
     let mut ranked: Vec<(KeyframeSeq, f64)> = votes.into_iter().collect();
