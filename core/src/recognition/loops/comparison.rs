@@ -172,19 +172,9 @@ impl Matcher<'_> {
         let pairs = summed_pairs(edges.collect(), self.settings);
         let matched = |(i, j): (usize, usize)| {
             let judged = self.similar_pairs.get(i, j)?.judged.clone();
-            Some(self.pair(of_query[i], of_candidate[j], judged))
+            Some(matched(self.index, self.session, of_query[i], of_candidate[j], judged))
         };
         pairs.into_iter().filter_map(matched).collect()
-    }
-
-    fn pair<'a>(
-        &self,
-        query: &'a LocalAnchor,
-        candidate: &'a LocalAnchor,
-        (level, source): (u8, Source),
-    ) -> Matched<'a> {
-        let places = places_if_one(self.index, self.session, query, candidate);
-        Matched { query, candidate, level, source, places }
     }
 }
 
