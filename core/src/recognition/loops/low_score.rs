@@ -11,20 +11,12 @@ use crate::recognition::map::index::TextIndex;
 /// Anchors of each map that are looked at, so that a hall full of plates costs no more than a corridor.
 const EXPLAINED_MAX: usize = 16;
 
-/// The places of two anchors relative to each other.
-#[derive(Clone, Debug)]
-enum Placement {
-    /// At the same place.
-    Same,
-    /// Too far apart for that.
-    Apart {
-        /// By how much, in metres or radians.
-        measured: f64,
-        /// The least that is no longer the same place.
-        limit: f64,
-        /// The figure for a person: "2.3 m".
-        told: String,
-    },
+/// The difference that keeps two anchors from standing at the same relative place.
+struct Apart {
+    /// The difference over the least that is no longer the same place.
+    excess: f64,
+    /// The figure for a person: "2.3 m".
+    told: String,
 }
 
 /// Says in one sentence why two local anchor maps agree too little.
@@ -55,24 +47,18 @@ fn displaced(
     let of_candidate = candidate.heaviest(EXPLAINED_MAX);
     query.heaviest(EXPLAINED_MAX).into_iter().find_map(|a| {
         let alike = of_candidate.iter().filter(|b| similar(a, b, texts, settings).is_some());
-        let placements: Vec<Placement> = alike.map(|b| relative_placement(a, b, settings)).collect();
-        let excess = |placement: &Placement| match placement {
-            Placement::Same => 0.0,
-            Placement::Apart { measured, limit, .. } => measured / limit,
-        };
-        let nearest = placements.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+        let excess = |apart: &Option<Apart>| apart.as_ref().map_or(0.0, |apart| apart.excess);
+        let differences = alike.map(|b| apart(a, b, settings));
+        let Apart { told, .. } = differences.min_by(|a, b| excess(a).total_cmp(&excess(b)))??;
         let name = a.description.as_deref().unwrap_or(&a.class);
-        match nearest {
-            Placement::Same => None,
-            Placement::Apart { told, .. } => Some((format!("\u{201c}{name}\u{201d}"), told)),
-        }
+        Some((format!("\u{201c}{name}\u{201d}"), told))
     })
 }
 
-/// Returns where two anchors stand to each other by bearing and distance (§V-B).
-fn relative_placement(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> Placement {
+/// Returns what is off between two anchors by bearing or distance (§V-B); none if they stand at the same relative place.
+fn apart(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> Option<Apart> {
     if same_relative_place(a, b, settings) {
-        return Placement::Same;
+        return None;
     }
     let distance_m = a.bearing.distance_difference_m(&b.bearing);
     let limit_m = settings.anchor_map_max_distance_difference_m;
@@ -81,9 +67,9 @@ fn relative_placement(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> 
     if distance_m >= limit_m && a.is_measured_with(b) {
         let told =
             format!("{distance_m:.2} m nearer or farther, and less than {limit_m:.2} m is the same place");
-        Placement::Apart { measured: distance_m, limit: limit_m, told }
+        Some(Apart { excess: distance_m / limit_m, told })
     } else {
         let told = format!("{angle_rad:.2} rad aside, and less than {limit_rad:.2} rad is the same place");
-        Placement::Apart { measured: angle_rad, limit: limit_rad, told }
+        Some(Apart { excess: angle_rad / limit_rad, told })
     }
 }
