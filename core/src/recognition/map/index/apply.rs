@@ -6,6 +6,7 @@ use super::anchor::Anchor;
 use super::map_index::MapIndex;
 use super::objects::Judging;
 use super::objects::MergedAnchor;
+use super::reverse::remove_last;
 use super::texts::TextIndex;
 use super::touched::Touched;
 use crate::domain::anchor::{AnchorState, Observation};
@@ -410,11 +411,8 @@ impl MapIndex {
 
     fn forget_loop_of(&mut self, closed: &Loop) {
         for end in [closed.keyframe, closed.candidate] {
-            if let Some(ids) = self.loops_by_keyframe.get_mut(&end) {
-                ids.remove(&closed.id);
-                if ids.is_empty() {
-                    self.loops_by_keyframe.remove(&end);
-                }
+            if remove_last(self.loops_by_keyframe.get_mut(&end), &closed.id) {
+                self.loops_by_keyframe.remove(&end);
             }
         }
     }

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::Shape;
+use super::reverse::remove_last;
 use crate::domain::ids::{AnchorSeq, PointId, SessionSeq};
 
 /// The anchors by map point.
@@ -30,11 +31,8 @@ impl Holders {
     /// The anchor's shapes were these, and it holds none of their points for now.
     pub fn release(&mut self, shapes: &BTreeMap<SessionSeq, Shape>, anchor: AnchorSeq) {
         for (session, id) in points(shapes) {
-            if let Some(anchors) = self.by_point.get_mut(&(session, id)) {
-                anchors.remove(&anchor);
-                if anchors.is_empty() {
-                    self.by_point.remove(&(session, id));
-                }
+            if remove_last(self.by_point.get_mut(&(session, id)), &anchor) {
+                self.by_point.remove(&(session, id));
             }
         }
     }

@@ -23,6 +23,7 @@ mod parsed_readings;
 mod points;
 mod priors;
 mod readings;
+mod reverse;
 mod sign_grid;
 mod tally;
 mod texts;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::anchor::{Anchor, Shape};
 use super::changed_signs::ChangedSigns;
 use super::readings::Readings;
+use super::reverse::remove_last;
 use super::verdicts::Verdicts;
 use super::votes::Votes;
 use crate::domain::anchor::AnchorState;
@@ -228,11 +229,8 @@ impl Objects {
         }
         self.bytes -= merge.bytes();
         for end in [merge.into, merge.from] {
-            if let Some(set) = self.links.get_mut(&end) {
-                set.remove(merge);
-                if set.is_empty() {
-                    self.links.remove(&end);
-                }
+            if remove_last(self.links.get_mut(&end), merge) {
+                self.links.remove(&end);
             }
         }
     }

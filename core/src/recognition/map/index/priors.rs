@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::anchor::Anchor;
+use super::reverse::remove_last;
 use crate::domain::ids::{AnchorSeq, PriorId, SessionSeq};
 use crate::domain::prior::Prior;
 
@@ -29,11 +30,8 @@ impl Priors {
         if self.by_id.remove(&prior.id).is_some() {
             self.bytes -= prior.bytes();
         }
-        if let Some(of_frame) = self.by_frame.get_mut(&prior.frame) {
-            of_frame.remove(&seq);
-            if of_frame.is_empty() {
-                self.by_frame.remove(&prior.frame);
-            }
+        if remove_last(self.by_frame.get_mut(&prior.frame), &seq) {
+            self.by_frame.remove(&prior.frame);
         }
     }
 

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::objects::MergedAnchor;
+use super::reverse::remove_last;
 use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::geometry::Point3;
 
@@ -50,11 +51,8 @@ impl SignGrid {
     /// Takes an object that is gone.
     pub(super) fn take(&mut self, root: AnchorSeq) {
         for cell in self.cells_of.remove(&root).unwrap_or_default() {
-            if let Some(roots) = self.by_cell.get_mut(&cell) {
-                roots.remove(&root);
-                if roots.is_empty() {
-                    self.by_cell.remove(&cell);
-                }
+            if remove_last(self.by_cell.get_mut(&cell), &root) {
+                self.by_cell.remove(&cell);
             }
         }
     }

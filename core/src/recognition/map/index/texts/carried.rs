@@ -7,6 +7,7 @@ use super::matches::Matches;
 use super::text_id::TextId;
 use super::text_index::{Node, TextIndex};
 use crate::domain::ids::AnchorSeq;
+use crate::recognition::map::index::reverse::remove_last;
 use crate::semantics::Text;
 
 impl TextIndex {
@@ -97,11 +98,8 @@ impl TextIndex {
             }
         }
         for word in node.text.specific_words() {
-            if let Some(set) = self.by_word.get_mut(word) {
-                set.remove(&id);
-                if set.is_empty() {
-                    self.by_word.remove(word);
-                }
+            if remove_last(self.by_word.get_mut(word), &id) {
+                self.by_word.remove(word);
             }
         }
         self.by_text.remove(&(node.class.clone(), node.text.normalised().into()));
