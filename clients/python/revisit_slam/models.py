@@ -2295,7 +2295,7 @@ class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
 class SentBagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A bag of words: two lists in parallel, in any order. Long lists may be packed."""
 
-    words: list[int]
+    words: list[int] | None = None
     """The words, none twice. This or `words_u32` is required."""
     words_u32: str | None = None
     """The same, packed: base64 of little-endian 32-bit unsigned numbers."""
