@@ -16,18 +16,18 @@ pub enum Source {
     Query,
 }
 
+/// Attributes that say no more than their name.
+const MARKS: [&str; 5] = ["id", "ignored", "null", "rounded", "unique"];
+
 /// A field, without the attributes that only this crate knows.
 pub struct Field {
     declaration: syn::Field,
-    is_id: bool,
-    is_null: bool,
-    is_unique: bool,
-    is_ignored: bool,
+    /// Those of [`MARKS`] that it has.
+    marks: Vec<&'static str>,
     reader: Option<Tokens>,
     source: Option<Tokens>,
     parallel_to: Option<Ident>,
     column: Option<Column>,
-    is_rounded: bool,
     renamed: Option<String>,
     bounds: Bounds,
 }
@@ -54,15 +54,11 @@ impl Field {
     pub fn of(field: &syn::Field) -> syn::Result<Self> {
         let mut this = Self {
             declaration: syn::Field { attrs: Vec::new(), ..field.clone() },
-            is_id: false,
-            is_null: false,
-            is_unique: false,
-            is_ignored: false,
+            marks: Vec::new(),
             reader: None,
             source: None,
             parallel_to: None,
             column: None,
-            is_rounded: false,
             renamed: None,
             bounds: Bounds::default(),
         };
@@ -72,18 +68,14 @@ impl Field {
         Ok(this)
     }
 
+    fn has(&self, mark: &str) -> bool {
+        self.marks.contains(&mark)
+    }
+
     fn take(&mut self, attribute: &Attribute) -> syn::Result<()> {
         let path = attribute.path();
-        if path.is_ident("id") {
-            self.is_id = true;
-        } else if path.is_ident("null") {
-            self.is_null = true;
-        } else if path.is_ident("rounded") {
-            self.is_rounded = true;
-        } else if path.is_ident("unique") {
-            self.is_unique = true;
-        } else if path.is_ident("ignored") {
-            self.is_ignored = true;
+        if let Some(mark) = MARKS.into_iter().find(|mark| path.is_ident(mark)) {
+            self.marks.push(mark);
         } else if path.is_ident("parallel") {
             self.parallel_to = Some(attribute.parse_args()?);
         } else if path.is_ident("column") {
@@ -130,9 +122,9 @@ impl Field {
     pub fn declared(&self, source: Source) -> Tokens {
         let declaration = &self.declaration;
         let is_optional = within(&declaration.ty, "Option").is_some();
-        let left_out = (source == Source::Body && is_optional && !self.is_null)
+        let left_out = (source == Source::Body && is_optional && !self.has("null"))
             .then(|| quote!(#[serde(default, skip_serializing_if = "Option::is_none")]));
-        let id = self.is_id.then(|| self.declared_id(source));
+        let id = self.has("id").then(|| self.declared_id(source));
         let has_default = source == Source::Query && self.bounds.default.is_some();
         let not_required = has_default.then(|| quote!(#[param(required = false)]));
         quote!(#left_out #id #not_required #declaration)
@@ -187,7 +179,7 @@ impl Field {
             None if is_borrowed => quote!(of.#ident.clone()),
             None => quote!(of.#ident),
         };
-        if !self.is_rounded {
+        if !self.has("rounded") {
             return quote!(crate::api::shown::Shown::shown(#value));
         }
         let rounded = quote!(crate::api::space::rounded);
@@ -200,7 +192,7 @@ impl Field {
 
     /// Returns the expression that reads it from an object.
     pub fn reader(&self, source: Source) -> syn::Result<Tokens> {
-        if self.is_ignored {
+        if self.has("ignored") {
             return Ok(quote!(Some(None)));
         }
         let name = self.name();
@@ -248,7 +240,7 @@ impl Field {
         }
         if let Some(item) = within(of, "Vec") {
             let (item, most) = (self.read(item, source)?, count(self.bounds.max_items.as_ref()));
-            if self.is_unique {
+            if self.has("unique") {
                 return Ok(quote!(node.unique(#most, |node| #item)));
             }
             let Some(least) = &self.bounds.min_items else {
@@ -257,7 +249,7 @@ impl Field {
             let least = count(Some(least));
             return Ok(quote!(node.some_of(#least..=#most, |node| #item)));
         }
-        if self.is_id {
+        if self.has("id") {
             return Ok(quote!(crate::api::decoding::read::id::<#of>(node)));
         }
         let Bounds { minimum, maximum, min_length, max_length, .. } = &self.bounds;

@@ -27,11 +27,11 @@ pub struct ObservationsBody {
     pub replaced: Option<Vec<FusedPoints>>,
     /// Culled map points: nobody observes them any more.
     #[schema(max_items = 10_000, minimum = 0)]
-    #[read(|node| culled(node, &replaced))]
+    #[read(|node| culled(node, replaced.as_ref()))]
     pub removed: Option<Vec<i64>>,
     /// Keyframes of the session of which there is more to say, none twice.
     #[schema(max_items = 1_000, value_type = Option<Vec<ChangedKeyframe>>)]
-    #[read(|node| changed_keyframes(node, &replaced, &removed))]
+    #[read(|node| changed_keyframes(node, replaced.as_ref(), removed.as_ref()))]
     pub keyframes: Option<Vec<ChangedKeyframeShape>>,
 }
 
@@ -87,7 +87,7 @@ const OBSERVES: Column = Column {
 };
 
 /// A member as it was read: `None` if it is wrong, `Some(None)` if it is missing.
-type Read<T> = Option<Option<Vec<T>>>;
+type Read<'r, T> = Option<&'r Option<Vec<T>>>;
 
 fn fused(node: &Node<'_>) -> Option<Vec<FusedPoints>> {
     let (mut fused, mut ends) = (HashSet::new(), Ends::default());
@@ -105,11 +105,11 @@ fn fused(node: &Node<'_>) -> Option<Vec<FusedPoints>> {
     })
 }
 
-fn goes(replaced: &Read<FusedPoints>) -> HashSet<PointId> {
-    replaced.iter().flatten().flatten().map(|FusedPoints([old, _])| *old).collect()
+fn goes(replaced: Read<'_, FusedPoints>) -> HashSet<PointId> {
+    replaced.into_iter().flatten().flatten().map(|FusedPoints([old, _])| *old).collect()
 }
 
-fn culled(node: &Node<'_>, replaced: &Read<FusedPoints>) -> Option<Vec<PointId>> {
+fn culled(node: &Node<'_>, replaced: Read<'_, FusedPoints>) -> Option<Vec<PointId>> {
     let fused = goes(replaced);
     node.unique(limits::FUSED_POINTS, |point| {
         let id = point.whole(limits::POINT)?;
@@ -122,11 +122,11 @@ fn culled(node: &Node<'_>, replaced: &Read<FusedPoints>) -> Option<Vec<PointId>>
 
 fn changed_keyframes(
     node: &Node<'_>,
-    replaced: &Read<FusedPoints>,
-    removed: &Read<PointId>,
+    replaced: Read<'_, FusedPoints>,
+    removed: Read<'_, PointId>,
 ) -> Option<Vec<ChangedKeyframeShape>> {
     let mut gone = goes(replaced);
-    gone.extend(removed.iter().flatten().flatten());
+    gone.extend(removed.into_iter().flatten().flatten());
     let mut names = HashSet::new();
     node.list(limits::CHANGED_KEYFRAMES, |entry| {
         let changed = named_once(entry, &mut names, ChangedKeyframeShape::decode)?;

@@ -76,19 +76,20 @@ pub fn of_line(line: Json<'_>) -> Result<SentKeyframe, Vec<FieldError>> {
 
 /// Returns a keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
 pub fn unnamed(body: KeyframeBody) -> Option<SentKeyframe> {
-    sent(body.inline()?)
+    body.inline().map(sent)
 }
 
 /// Reads the members of a keyframe; its name was read before, or could not be.
 fn keyframe(object: &Object<'_>, id: Option<KeyframeId>) -> Option<SentKeyframe> {
     let body = KeyframeBody::read(object);
     let others = object.optional("covisible", |node| others_than(node, id.as_ref()));
-    (others?, sent(body?.named(id?)?)).1
+    let keyframe = body?.named(id?)?;
+    others.map(|_| sent(keyframe))
 }
 
-fn sent(keyframe: NewKeyframe) -> Option<SentKeyframe> {
+fn sent(keyframe: NewKeyframe) -> SentKeyframe {
     let digest = digest::of(&keyframe);
-    Some(SentKeyframe { keyframe, digest })
+    SentKeyframe { keyframe, digest }
 }
 
 /// Refuses a keyframe in its own list of covisible ones.
