@@ -118,11 +118,15 @@ impl Readings {
         observation: &Observation,
         parsed: &mut ParsedReadings,
     ) {
-        self.change(class, anchor, observation, parsed, |sightings, sighting| {
-            if let Err(at) = sightings.binary_search(&sighting) {
-                sightings.insert(at, sighting);
-            }
-        });
+        let is_code = self.is_of_codes(class);
+        for reading in readings(observation) {
+            self.change(class, &parsed.of(reading, is_code), |sightings| {
+                let sighting = (observation.keyframe, observation.detection, anchor);
+                if let Err(at) = sightings.binary_search(&sighting) {
+                    sightings.insert(at, sighting);
+                }
+            });
+        }
     }
 
     /// The detection is gone, or is about to be read anew.
@@ -133,31 +137,18 @@ impl Readings {
         observation: &Observation,
         parsed: &mut ParsedReadings,
     ) {
-        self.change(class, anchor, observation, parsed, |sightings, sighting| {
-            if let Ok(at) = sightings.binary_search(&sighting) {
-                sightings.remove(at);
-            }
-        });
-    }
-
-    /// Changes the sightings of each text that a detection was read as.
-    fn change(
-        &mut self,
-        class: &str,
-        anchor: AnchorSeq,
-        observation: &Observation,
-        parsed: &mut ParsedReadings,
-        change: impl Fn(&mut Vec<Sighting>, Sighting),
-    ) {
         let is_code = self.is_of_codes(class);
-        let sighting = (observation.keyframe, observation.detection, anchor);
         for reading in readings(observation) {
-            let reading = parsed.of(reading, is_code);
-            self.change_of(class, &reading, |sightings| change(sightings, sighting));
+            self.change(class, &parsed.of(reading, is_code), |sightings| {
+                let sighting = (observation.keyframe, observation.detection, anchor);
+                if let Ok(at) = sightings.binary_search(&sighting) {
+                    sightings.remove(at);
+                }
+            });
         }
     }
 
-    fn change_of(&mut self, class: &str, reading: &ParsedReading, change: impl FnOnce(&mut Vec<Sighting>)) {
+    fn change(&mut self, class: &str, reading: &ParsedReading, change: impl FnOnce(&mut Vec<Sighting>)) {
         let gist = &*reading.gist;
         if !self.by_class.contains_key(class) {
             self.by_class.insert(class.into(), OfClass::default());
