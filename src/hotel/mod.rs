@@ -22,11 +22,11 @@
 //! | a tour for `revisit replay` | [`recording`] |
 //! | random numbers, and which worlds are held out | [`rng`], [`seeds`] |
 //! | a robot that wakes up and asks where it is | [`restart`] |
-//! | realism | [`building::realism`] |
+//! | realism (a test) | `building/realism.rs` |
 //!
 //! # Realism
 //!
-//! A simulation that is easier than reality proves nothing. [`building::realism::measure`] measures these figures on a
+//! A simulation that is easier than reality proves nothing. `building/realism.rs` measures these figures on a
 //! tour through SE1, and a test keeps them in range:
 //!
 //! | figure | here | compared with |
