@@ -17,7 +17,7 @@ pub enum Source {
 }
 
 /// Attributes that say no more than their name.
-const MARKS: [&str; 5] = ["id", "ignored", "null", "rounded", "unique"];
+const MARKS: [&str; 5] = ["id", "null", "rounded", "unique", "unread"];
 
 /// A field, without the attributes that only this crate knows.
 pub struct Field {
@@ -192,7 +192,7 @@ impl Field {
 
     /// Returns the expression that reads it from an object.
     pub fn reader(&self, source: Source) -> syn::Result<Tokens> {
-        if self.has("ignored") {
+        if self.has("unread") {
             return Ok(quote!(Some(None)));
         }
         let name = self.name();

@@ -16,7 +16,7 @@
 //! | `#[unique]` | no item of the list is there twice |
 //! | `#[column(name, number, row)]` | the list may be packed: the member for that, its numbers, and how many an item has |
 //! | `#[parallel(other)]` | the list is as long as the other one |
-//! | `#[ignored]` | the member may be there, and is not read |
+//! | `#[unread]` | the member may be there, and is not read |
 //! | `#[null]` | answered as null where it is missing |
 //! | `#[from(expression)]` | its value, of the model `of` |
 //! | `#[rounded]` | rounded, as computed numbers are |
@@ -92,7 +92,7 @@ impl Parse for Decoded {
     }
 }
 
-/// What a body is read into, made of and documented as.
+/// The types that a body is read into, made of and documented as.
 #[derive(Default)]
 struct Arguments {
     decoded: Option<Decoded>,

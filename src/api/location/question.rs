@@ -53,16 +53,16 @@ pub struct UnplacedKeyframeBody {
     /// Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may be asked about as it
     /// is, and not listened to.
     #[schema(max_length = 128)]
-    #[ignored]
+    #[unread]
     pub session: Option<String>,
     /// Not listened to.
     #[schema(max_items = 100_000, minimum = 0)]
     #[column(observes_i64, I64)]
-    #[ignored]
+    #[unread]
     pub observes: Option<Vec<i64>>,
     /// Not listened to.
     #[schema(max_items = 10000)]
-    #[ignored]
+    #[unread]
     pub covisible: Option<Vec<CovisibleShape>>,
     /// When it was taken.
     pub stamp: Option<Time>,
