@@ -1,4 +1,4 @@
-//! What the keyframes of a map share: words of one vocabulary, which are computed out of features for those without, and
+//! Common to the keyframes of a map: words of one vocabulary, which are computed out of features for those without, and
 //! global descriptors that can all be compared.
 
 use super::tasks::blocking;

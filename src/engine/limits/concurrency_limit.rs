@@ -12,12 +12,12 @@ use crate::engine::{Result, ServiceError};
 /// Longest time a request waits for a permit before it is rejected as overloaded.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
 
-/// How long a request waits for its turn.
+/// The longest that a request waits for its turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Wait {
     /// It hears that there is too much to do if it would wait longer.
     UpTo(Duration),
-    /// However long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
+    /// As long as it takes: for those who keep others waiting meanwhile, such as a stream of lines.
     Unbounded,
 }
 

@@ -1,4 +1,4 @@
-//! What a request names: found in the map, or the fault of the request.
+//! Names of a request: found in the map, or the fault of the request.
 
 use crate::domain::ids::{KeyframeId, KeyframeSeq, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
