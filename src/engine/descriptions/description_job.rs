@@ -49,10 +49,7 @@ impl Service {
         };
         let learned = match answer {
             // A reader's word is better than none until the model is back.
-            Answer::Reading(read) => {
-                let (service, of_map) = (self.clone(), live.clone());
-                self.learn(live, move |index| Ok(service.learn_crop(&of_map, index, read))).await
-            }
+            Answer::Reading(read) => self.learn(live, move |index| Ok(learn_reading(index, read))).await,
             // A verdict of the built-in judge in the model's place is not kept.
             Answer::Verdict(_) if degraded => return Err(Fault::Away),
             Answer::Verdict(verdict) => {
@@ -139,8 +136,8 @@ impl Service {
         Ok(Some(ModelAnswer { answer: Answer::Reading(read), degraded }))
     }
 
-    /// Checks what a model said against the map as it is now and applies it; what it triggers is asked about. Returns the map's
-    /// version, and whether that changed anything.
+    /// Checks what a model said against the map as it is now and applies it; what it triggers is asked about, and twins of what
+    /// was read are looked for. Returns the map's version, and whether that changed anything.
     pub(in crate::engine) async fn learn(
         &self,
         live: &Arc<LiveMap>,
@@ -148,27 +145,19 @@ impl Service {
     ) -> Result<(u64, bool)> {
         let decide = move |index: &mut MapIndex| {
             Ok(match learn(index)? {
-                Some(Learned { decided, triggers }) => Decision::Changed(Some(triggers), decided, None),
+                Some(Learned { decided, triggers, read }) => {
+                    Decision::Changed(Some((triggers, read)), decided, None)
+                }
                 None => Decision::Unchanged(None),
             })
         };
-        let (triggers, version) = self.change(live, decide).await?;
-        let is_applied = triggers.is_some();
-        self.trigger(&live.id, triggers.unwrap_or_default());
-        Ok((version, is_applied))
-    }
-
-    /// Applies the reading of a crop, and looks for twins of what its keyframe sees.
-    pub(in crate::engine) fn learn_crop(
-        &self,
-        live: &LiveMap,
-        index: &mut MapIndex,
-        read: CropRead,
-    ) -> Option<Learned> {
-        let keyframe = read.keyframe;
-        let mut learned = learn_reading(index, read)?;
-        self.add_twins(live, index, (keyframe, None), &mut learned.decided);
-        Some(learned)
+        let (learned, version) = self.change(live, decide).await?;
+        let Some((triggers, read)) = learned else { return Ok((version, false)) };
+        self.trigger(&live.id, triggers);
+        if let Some(keyframe) = read {
+            self.look_for_twins(live, keyframe).await;
+        }
+        Ok((version, true))
     }
 
     /// Has a map that was just taken wait for no model, if this server has none. A server that alone has the database tells all maps

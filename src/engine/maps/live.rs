@@ -407,6 +407,14 @@ impl LiveMap {
     }
 }
 
+impl<T, U> Begun<(T, U)> {
+    /// Returns the write with a part of its value, and the other part.
+    pub fn split(self) -> (Begun<T>, U) {
+        let Self { store, live, value: (value, other), version, committed } = self;
+        (Begun { store, live, value, version, committed }, other)
+    }
+}
+
 impl<T> Begun<T> {
     /// Waits until it is on disk.
     pub async fn committed(self) -> Result<(T, u64)> {

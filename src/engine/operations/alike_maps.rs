@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
-use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::{LiveMap, State};
-use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
@@ -91,8 +89,7 @@ impl Service {
             let cameras = (&probe.snapshot.camera, &other.snapshot.camera);
             outcome.map_or(0, |outcome| alike_cells(&outcome.verification, cameras.0, cameras.1))
         };
-        let _turn = self.reads.enter(Tenant::current(None)).await?;
-        blocking_part("verify", verify).await
+        self.verify(None, verify).await
     }
 
     /// Reads what geometry needs of a keyframe; none if it has no features.

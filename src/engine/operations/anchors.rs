@@ -61,23 +61,22 @@ impl Service {
         description: Option<String>,
     ) -> Result<(u64, AnchorReport)> {
         let live = self.live(map).await?;
-        let (service, of_map) = (self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             let anchor = resolve(index, &key)?;
             check_version(index, anchor, expected)?;
             if let AnchorKey::Prior(id) = &key {
                 return Err(described_by_plan(id));
             }
-            let mut decided = describe(index, anchor, description.map(Into::into));
+            let decided = describe(index, anchor, description.map(Into::into));
             let newest = index.anchor(anchor).and_then(|anchor| anchor.keyframes().max());
-            if let Some(keyframe) = newest {
-                service.add_twins(&of_map, index, (keyframe, None), &mut decided);
-            }
             // It may have become one with an older anchor.
             let anchor = index.objects().root(anchor).unwrap_or(anchor);
-            Ok(Decision::Changed(find(index, anchor)?, decided, None))
+            Ok(Decision::Changed((find(index, anchor)?, newest), decided, None))
         };
-        let (report, version) = self.change(&live, decide).await?;
+        let ((report, newest), version) = self.change(&live, decide).await?;
+        if let Some(keyframe) = newest {
+            self.look_for_twins(&live, keyframe).await;
+        }
         Ok((version, report))
     }
 

@@ -9,7 +9,7 @@ use crate::domain::report::JudgementReport;
 use crate::domain::request::{NewJudgement, NewVerdict};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Result, Service, ServiceError, Stored};
-use crate::recognition::anchors::apply_model_answer::learn_verdict;
+use crate::recognition::anchors::apply_model_answer::{learn_reading, learn_verdict};
 use crate::recognition::map::index::MapIndex;
 use crate::store::{Fingerprints, Job};
 
@@ -20,12 +20,10 @@ impl Service {
     /// Applies what a model said elsewhere. Returns the map's version, and whether it changed anything.
     pub async fn bring_verdict(&self, map: &MapId, new: NewVerdict) -> Result<(u64, bool)> {
         let live = self.live(map).await?;
-        let (service, of_map) = (self.clone(), live.clone());
         let learn = move |index: &mut MapIndex| match new {
             NewVerdict::OfTexts(verdict) => Ok(learn_verdict(index, verdict)),
             crop @ NewVerdict::OfCrop(..) => {
-                let read = crop_read(index, crop)?;
-                Ok(read.and_then(|read| service.learn_crop(&of_map, index, read)))
+                Ok(crop_read(index, crop)?.and_then(|read| learn_reading(index, read)))
             }
         };
         self.learn(&live, learn).await

@@ -16,10 +16,13 @@ use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Begun, Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::Manner;
+use crate::engine::tasks::to_its_end;
 use crate::engine::vocabulary::{check_global_descriptor, check_vocabulary};
 use crate::engine::{QueryAnswer, Result, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
 use crate::recognition::anchors::prior_anchors::driven_frame;
+use crate::recognition::extensions::changed_signs::{Passage, passages_ended_by};
+use crate::recognition::extensions::twins::{Suspects, suspects};
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
 use crate::store::NewKeyframeRows;
@@ -38,6 +41,15 @@ pub struct PendingKeyframe {
     digest: Digest,
     manner: Manner,
     begun: Begun<Put>,
+}
+
+/// What geometry has to look at once a keyframe is stored.
+#[derive(Default)]
+struct LeftToVerify {
+    /// Views that may be twins of its own (M16).
+    suspects: Option<Suspects>,
+    /// The passages that it ends (M18).
+    passages: Vec<Passage>,
 }
 
 /// Maximum attempts of a PUT that begins again because the keyframe that it found was culled before it could be read.
@@ -131,7 +143,8 @@ impl Service {
         Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
     }
 
-    /// Decides whether the keyframe is new, and queues it if so.
+    /// Decides whether the keyframe is new, and queues it if so. Returns when geometry has looked at what it leaves to verify, so
+    /// that the map of a client that sends one keyframe after the other does not depend on how fast it sends them.
     async fn begin_put(
         &self,
         live: &Arc<LiveMap>,
@@ -139,10 +152,10 @@ impl Service {
         digest: Digest,
         manner: Manner,
     ) -> Result<Begun<Put>> {
-        let (room, service, of_map) = (self.room(live.owner).await?, self.clone(), live.clone());
+        let room = self.room(live.owner).await?;
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
-                return Ok(Decision::Unchanged(Put::Exists(seq)));
+                return Ok(Decision::Unchanged((Put::Exists(seq), LeftToVerify::default())));
             }
             let declared = keyframe.declared().iter().enumerate().map(|(place, (id, _))| (place, id));
             let mut errors = unknown_covisible(index, declared);
@@ -151,16 +164,41 @@ impl Service {
             check_vocabulary(index, &keyframe)?;
             check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             check_keyframe(&room, index, &keyframe)?;
-            let mut ingested = ingest(index, &keyframe);
-            let arrived = (ingested.keyframe, Some(&*keyframe));
-            service.add_twins(&of_map, index, arrived, &mut ingested.decided);
-            service.add_changed_signs(&of_map, index, ingested.keyframe, &mut ingested.decided);
+            let ingested = ingest(index, &keyframe);
+            let left = LeftToVerify {
+                suspects: suspects(index, ingested.keyframe, &keyframe.bow),
+                passages: passages_ended_by(index, ingested.keyframe),
+            };
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;
             let rows = NewKeyframeRows { keyframe, digest };
-            Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
+            Ok(Decision::Changed((Put::Created(report), left), ingested.decided, Some(rows)))
         };
-        self.begin(live, manner, decide).await
+        let (begun, left) = self.begin(live, manner, decide).await?.split();
+        if left.suspects.is_some() || !left.passages.is_empty() {
+            let (service, live) = (self.clone(), live.clone());
+            let verified = to_its_end(async move { service.verify_what_is_left(&live, manner, left).await });
+            // The keyframe is on its way already, and does not depend on it.
+            if let Err(error) = verified.await.flatten() {
+                tracing::warn!(%error, "twins or signs that changed could not be looked for");
+            }
+        }
+        Ok(begun)
+    }
+
+    async fn verify_what_is_left(
+        &self,
+        live: &Arc<LiveMap>,
+        manner: Manner,
+        left: LeftToVerify,
+    ) -> Result<()> {
+        if let Some(suspects) = left.suspects {
+            self.verify_twins(live, manner, suspects).await?;
+        }
+        if !left.passages.is_empty() {
+            self.judge_signs(live, manner, left.passages).await?;
+        }
+        Ok(())
     }
 
     /// Answers a PUT of a keyframe that exists; `None` if it was culled meanwhile.

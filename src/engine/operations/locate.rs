@@ -9,9 +9,7 @@ use super::locate_maps::{AskedMap, MapOfQuestion, search_at};
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::domain::ids::{MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
-use crate::engine::limits::shared_turns::Tenant;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::tasks::blocking_part;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::locate::likeness::first_others;
 use crate::recognition::locate::locate;
@@ -98,7 +96,6 @@ impl Service {
         timings.features_ms = milliseconds_since(started);
 
         let started = Instant::now();
-        let permit = self.reads.enter(Tenant::current(None)).await?;
         let max = request.max;
         let (seed, asking) = (question.seed, question.keyframes.len());
         let decide = move || {
@@ -115,9 +112,8 @@ impl Service {
                 (location, searches, views)
             })
         };
-        let ((mut location, searches, views), took_ms) = blocking_part("verify", decide).await?;
+        let ((mut location, searches, views), took_ms) = self.verify(None, decide).await?;
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
-        drop(permit);
         if let Some((map, session)) = rests_on_views(&location, &searches)
             && let Some(home) = &maps[map].live
         {

@@ -25,6 +25,7 @@ use crate::recognition::loops::check_loop::{screen, verify_and_decide};
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::Screening;
 use crate::recognition::map::index::MapIndex;
+use crate::store::MapKey;
 
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,11 +137,9 @@ impl Service {
         let (verdict, took_ms) = if screening.waiting().next().is_none() {
             timed(|| verify_and_decide(screening, &features, query.seed))
         } else {
-            // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
-            let _permit = self.reads.enter(Tenant::current(Some(live.key))).await?;
             let seed = query.seed;
-            let verify = move || timed(|| verify_and_decide(screening, &features, seed));
-            blocking_part("verify", verify).await?
+            self.verify(Some(live.key), move || timed(|| verify_and_decide(screening, &features, seed)))
+                .await?
         };
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         let keyframe = match &query.subject {
@@ -151,6 +150,16 @@ impl Service {
         let body = (self.write_answer)(&id, keyframe.as_ref(), &verdict);
         let body = body.map_err(|error| ServiceError::Internal(error.to_string()))?.into();
         Ok(QueryAnswer { id, keyframe, verdict, body, timings })
+    }
+
+    /// Runs geometry, which keeps a core busy: it waits its turn, off the async threads and without the map's lock.
+    pub(super) async fn verify<T: Send + 'static>(
+        &self,
+        map: Option<MapKey>,
+        verify: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T> {
+        let _turn = self.reads.enter(Tenant::current(map)).await?;
+        blocking_part("verify", verify).await
     }
 
     /// Returns the bag of words of a stored keyframe; it lies on disk only.

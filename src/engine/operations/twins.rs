@@ -1,88 +1,53 @@
-//! Twins are looked for inside the write that brings a sign, so that a map's version says whether it has any.
+//! Twins are looked for after the write that brings or describes a sign, and kept in a version of the map of its own.
 
 use std::sync::Arc;
 
-use tokio::runtime::Handle;
-
-use crate::domain::bow::BowVector;
-use crate::domain::change::Twins;
 use crate::domain::ids::KeyframeSeq;
-use crate::domain::keyframe::NewKeyframe;
-use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::live::{Decision, LiveMap, State};
+use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service};
-use crate::recognition::extensions::twins::{Suspects, are_looked_for, found, suspects};
-use crate::recognition::loops::features::MatchableFeatures;
-use crate::recognition::loops::query::Query;
+use crate::recognition::extensions::twins::{Suspects, are_looked_for, keep, suspects};
 use crate::recognition::map::index::MapIndex;
-use crate::recognition::map::recorder::Decided;
 
 impl Service {
-    /// Looks for a twin of what a keyframe sees, and adds it to the write that is being decided; `new` is the keyframe where
-    /// that write brings it. Blocks, as a decision may: not for async threads.
-    pub(in crate::engine) fn add_twins(
-        &self,
-        live: &LiveMap,
-        index: &mut MapIndex,
-        (keyframe, new): (KeyframeSeq, Option<&NewKeyframe>),
-        decided: &mut Decided,
-    ) {
-        if !are_looked_for(index) {
-            return;
-        }
-        let looked = match new {
-            Some(new) => self.twins_of(live, index, (keyframe, Some(new)), &new.bow),
-            None => match Handle::current().block_on(self.store.bow(live.key, keyframe)) {
-                Ok(bow) => self.twins_of(live, index, (keyframe, None), &bow.unwrap_or_default()),
-                Err(error) => Err(error.into()),
-            },
-        };
-        match looked {
-            Ok(Some(twins)) => {
-                let changes = found(index, twins);
-                index.apply(&changes);
-                decided.changes.extend(changes);
-            }
-            Ok(None) => {}
-            // The write is decided already, and does not depend on it.
-            Err(error) => tracing::warn!(%error, "twins could not be looked for"),
+    /// Looks for a twin of what a keyframe sees, after one of its signs was described.
+    pub(in crate::engine) async fn look_for_twins(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) {
+        if let Err(error) = self.suspect_twins(live, keyframe).await {
+            // The write is on its way already, and does not depend on it.
+            tracing::warn!(%error, "twins could not be looked for");
         }
     }
 
-    fn twins_of(
-        &self,
-        live: &LiveMap,
-        index: &MapIndex,
-        (keyframe, new): (KeyframeSeq, Option<&NewKeyframe>),
-        bow: &BowVector,
-    ) -> Result<Option<Twins>> {
-        let query = Query::stored(index, keyframe, bow);
-        let Some(suspects) = query.and_then(|query| suspects(index, &query)) else { return Ok(None) };
-        Handle::current().block_on(async {
-            let own = match new.and_then(|new| new.features.clone()) {
-                Some(features) => self.features.prepare(features).await?,
-                None => None,
-            };
-            self.verify_twins(live, &suspects, keyframe, own).await
-        })
+    async fn suspect_twins(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) -> Result<()> {
+        if live.glance(|state| are_looked_for(&state.index)).is_some_and(|(_, looked_for)| !looked_for) {
+            return Ok(());
+        }
+        let Some(bow) = self.store.bow(live.key, keyframe).await? else { return Ok(()) };
+        let look = move |state: &State| Ok(suspects(&state.index, keyframe, &bow));
+        match self.look(live, look).await? {
+            (_, Some(suspects)) => self.verify_twins(live, Manner::Prompt, suspects).await,
+            (_, None) => Ok(()),
+        }
     }
 
-    async fn verify_twins(
+    /// Has geometry look at suspects, and keeps the first that is a twin.
+    pub(super) async fn verify_twins(
         &self,
-        live: &LiveMap,
-        suspects: &Suspects,
-        keyframe: KeyframeSeq,
-        own: Option<Arc<MatchableFeatures>>,
-    ) -> Result<Option<Twins>> {
-        // Whatever was decided before has features to be read; the writer needs no lock of the map.
+        live: &Arc<LiveMap>,
+        manner: Manner,
+        suspects: Suspects,
+    ) -> Result<()> {
+        // The features of whatever was decided before are read from the disk.
         live.on_disk(&self.store, live.newest_version()).await?;
+        let suspects = Arc::new(suspects);
         for at in suspects.places() {
-            let mut features =
-                self.features.read(&self.store, live.key, suspects.wanted_features(at)).await?;
-            features.stored.extend(own.clone().map(|own| (keyframe, own)));
-            if let Some(twins) = suspects.verify(at, &features) {
-                return Ok(Some(twins));
+            let features = self.features.read(&self.store, live.key, suspects.wanted_features(at)).await?;
+            let looking = suspects.clone();
+            if let Some(twins) = self.verify(Some(live.key), move || looking.verify(at, &features)).await? {
+                let decide = move |index: &mut MapIndex| Ok(Decision::of((), keep(index, twins)));
+                return self.begin(live, manner, decide).await.map(drop);
             }
         }
-        Ok(None)
+        Ok(())
     }
 }

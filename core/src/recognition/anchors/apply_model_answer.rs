@@ -7,7 +7,7 @@ use super::matching;
 use crate::domain::anchor::AnchorState;
 use crate::domain::change::Change;
 use crate::domain::event::{Event, EventKind};
-use crate::domain::ids::{AnchorSeq, KeyframeId};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq};
 use crate::domain::judged::{CropRead, Finding, ModelVerdict};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::map::recorder::{Decided, Recorder};
@@ -19,12 +19,14 @@ const MAX_FOLLOWED: usize = 64;
 const MAX_MATCHES_TOLD: usize = 8;
 
 /// What a verdict changed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Learned {
     /// The changes and events.
     pub decided: Decided,
     /// The keyframes that see an anchor which turns out to have been seen before: loop detection is triggered (§III).
     pub triggers: Vec<KeyframeId>,
+    /// The keyframe whose crop was read: what it sees may have a twin (M16).
+    pub read: Option<KeyframeSeq>,
 }
 
 /// A crop was read. `None` if the detection is gone, feeds no anchor any more, or was read for good or just so before.
@@ -41,7 +43,7 @@ pub fn replace_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> 
     observation.crop_area_px?;
     // Read alike by another model: the anchor stays as it is.
     let is_news = observation.crop_reading.as_ref() != Some(&read.reading);
-    let anchor = read.anchor;
+    let (anchor, keyframe) = (read.anchor, read.keyframe);
     let concerned: BTreeSet<AnchorSeq> = index.objects().root(anchor).into_iter().collect();
     let mut record = Recorder::new(index);
     if is_news {
@@ -49,7 +51,7 @@ pub fn replace_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> 
     }
     let before = named(record.index(), &concerned);
     record.apply(vec![Change::CropRead(Box::new(read))]);
-    Some(follow_up(record, &before))
+    Some(Learned { read: Some(keyframe), ..follow_up(record, &before) })
 }
 
 /// Texts were judged. `None` if nobody carries them any more.
@@ -98,13 +100,13 @@ fn learn_similarity(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Learn
         }
         let mut record = Recorder::new(index);
         record.apply(vec![Change::Judged(Box::new(verdict))]);
-        return Some(Learned { decided: record.finish(), triggers: Vec::new() });
+        return Some(Learned { decided: record.finish(), ..Learned::default() });
     };
     let matched = index.texts().level(a, b).is_some();
     let mut record = Recorder::new(index);
     record.apply(vec![Change::Judged(Box::new(verdict))]);
     if matched || record.index().texts().level(a, b).is_none() {
-        return Some(Learned { decided: record.finish(), triggers: Vec::new() });
+        return Some(Learned { decided: record.finish(), ..Learned::default() });
     }
     let index = record.index();
     // What only a plan shows was not seen, and nothing comes back to it.
@@ -132,7 +134,7 @@ fn learn_similarity(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Learn
             triggers.extend(newest_keyframe(record.index(), newer));
         }
     }
-    Some(Learned { decided: record.finish(), triggers: triggers.into_iter().collect() })
+    Some(Learned { decided: record.finish(), triggers: triggers.into_iter().collect(), read: None })
 }
 
 /// What an object is called, and whether that says enough.
@@ -166,7 +168,7 @@ fn follow_up(mut record: Recorder<'_>, before: &Named) -> Learned {
             triggers.extend(newest_keyframe(record.index(), root));
         }
     }
-    Learned { decided: record.finish(), triggers: triggers.into_iter().collect() }
+    Learned { decided: record.finish(), triggers: triggers.into_iter().collect(), read: None }
 }
 
 fn newest_keyframe(index: &MapIndex, anchor: AnchorSeq) -> Option<KeyframeId> {

@@ -85,7 +85,7 @@ pub fn rejudge(index: &mut MapIndex, answers: Vec<Answer>, mut progress: Judgeme
     let mut record = Recorder::new(index);
     record.apply(vec![Change::JudgementAdvanced(Box::new(progress))]);
     decided.changes.extend(record.finish().changes);
-    Learned { decided, triggers: triggers.into_iter().collect() }
+    Learned { decided, triggers: triggers.into_iter().collect(), read: None }
 }
 
 /// Whether an answer says what the map knows already.

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::contradiction::Contradiction;
 use super::distinctiveness::PlaceCounts;
+use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Twins};
 use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
@@ -25,6 +26,7 @@ use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{PreVerified, Screening, Stage};
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::{Certainty, MapIndex};
+use crate::recognition::map::recorder::{Decided, Recorder};
 use crate::recognition::verification::Status;
 
 /// Pairs of a map that are kept: one is enough, and the next stands in where its signs change.
@@ -53,8 +55,11 @@ pub fn are_looked_for(index: &MapIndex) -> bool {
 }
 
 /// Finds what the view from a keyframe of the map may be a twin of; `None` if there is nothing to look at.
-pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
-    let keyframe = query.keyframe.filter(|_| are_looked_for(index))?;
+pub fn suspects(index: &MapIndex, keyframe: KeyframeSeq, bow: &BowVector) -> Option<Suspects> {
+    if !are_looked_for(index) {
+        return None;
+    }
+    let query = &Query::stored(index, keyframe, bow)?;
     if query.snapshot.is_none() || !query.seen.iter().any(|root| names_itself(index, *root)) {
         return None;
     }
@@ -162,8 +167,15 @@ impl Suspects {
     }
 }
 
-/// Returns what a found pair changes: those that are none any more make room for it.
-pub fn found(index: &MapIndex, twins: Twins) -> Vec<Change> {
+/// Keeps a found pair, unless it is none any more: the map went on while geometry looked. Pairs that are none any more make
+/// room for it.
+pub fn keep(index: &mut MapIndex, twins: Twins) -> Option<Decided> {
+    if !are_looked_for(index) || !index.are_twins(&twins) {
+        return None;
+    }
     let gone = index.kept_twins().filter(|kept| !index.are_twins(kept)).copied();
-    gone.map(Change::TwinsWithdrawn).chain([Change::TwinsFound(twins)]).collect()
+    let changes = gone.map(Change::TwinsWithdrawn).chain([Change::TwinsFound(twins)]).collect();
+    let mut record = Recorder::new(index);
+    record.apply(changes);
+    Some(record.finish())
 }

@@ -25,7 +25,7 @@ pub struct GeometrySnapshot {
     pub camera: Camera,
     /// The session whose numbers its map points have; none if the map does not know it.
     session: Option<SessionSeq>,
-    session_from_camera: Pose,
+    pub(in crate::recognition) session_from_camera: Pose,
     positions_in_session: HashMap<PointId, Point3>,
     /// The covisible keyframes of its session whose points join the guided search, those that share most first.
     pub window: Vec<KeyframeSeq>,
@@ -83,9 +83,13 @@ impl GeometrySnapshot {
         features.map_points.iter().map(|id| self.point_in_camera((*id)?)).collect()
     }
 
+    /// Returns where a map point is in the session's frame, if this keyframe or its window observes it.
+    pub(in crate::recognition) fn position(&self, id: PointId) -> Option<&Point3> {
+        self.positions_in_session.get(&id)
+    }
+
     fn point_in_camera(&self, id: PointId) -> Option<Point3> {
-        let position = self.positions_in_session.get(&id)?;
-        Some(self.session_from_camera.inverse_transform(position))
+        Some(self.session_from_camera.inverse_transform(self.position(id)?))
     }
 
     /// Returns the points that the window's keyframes see and this one does not, each with every descriptor it was seen

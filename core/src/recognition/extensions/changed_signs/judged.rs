@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::passages::Passage;
+use super::place::{LOOKS_OF_A_WRITE_MAX, Look, tracked_here};
 use super::readings::read_otherwise;
 use super::seen::{InItsPlace, in_its_place, read_alike, reads_another};
 use super::split::{match_anew, split};
@@ -25,11 +26,44 @@ pub const CLEAR_VIEWS: usize = 2;
 /// Passages that missed a sign and are kept. Beyond them the oldest goes.
 pub const MISSES_KEPT: usize = 8;
 
-/// Returns what changes because the passage saw the sign as it is called; none if it did not.
-pub fn seen_again(index: &mut MapIndex, passage: &Passage) -> Option<Decided> {
+/// Returns what geometry is to look at to find the place of each passage; nothing where the passage is judged without it.
+pub fn looks(index: &MapIndex, passages: &[Passage]) -> Vec<Vec<Look>> {
+    let mut left = LOOKS_OF_A_WRITE_MAX;
+    let looks = |passage| {
+        if read_alike(index, passage) > 0 || !may_have_missed(index, passage) || tracked_here(index, passage)
+        {
+            return Vec::new();
+        }
+        let looks = Look::all(index, passage, left);
+        left -= looks.len();
+        looks
+    };
+    passages.iter().map(looks).collect()
+}
+
+/// Judges the signs of passages; `places` has where each sign would hang, as geometry found it, if it did.
+pub fn judge(index: &mut MapIndex, passages: &[Passage], places: &[Option<Point3>]) -> Option<Decided> {
+    let mut record = Recorder::new(index);
+    for (passage, found) in passages.iter().zip(places) {
+        let index = record.index();
+        if read_alike(index, passage) > 0 {
+            see_again(&mut record, passage);
+        } else if may_have_missed(index, passage) {
+            let place = if tracked_here(index, passage) { Some(passage.sign.centre) } else { *found };
+            if let Some(place) = place {
+                miss(&mut record, passage, &place);
+            }
+        }
+    }
+    let decided = record.finish();
+    (!decided.changes.is_empty()).then_some(decided)
+}
+
+/// The passage saw the sign as it is called.
+fn see_again(record: &mut Recorder<'_>, passage: &Passage) {
+    let (index, root) = (record.index(), passage.sign.root);
+    let Some(object) = index.objects().get(root) else { return };
     let reads = read_alike(index, passage);
-    let root = passage.sign.root;
-    let object = index.objects().get(root).filter(|_| reads > 0)?;
     let members = object.members.clone();
     let mut changes = Vec::new();
     let returns = object.state == AnchorState::Retired && reads >= RETURNING_READS;
@@ -39,28 +73,24 @@ pub fn seen_again(index: &mut MapIndex, passage: &Passage) -> Option<Decided> {
     if index.misses_of(object).next().is_some() {
         changes.extend(members.into_iter().map(Change::MissesWithdrawn));
     }
-    let mut record = Recorder::new(index);
     if !changes.is_empty() {
         record.touch(root);
         record.apply(changes);
     }
     if returns {
-        match_anew(&mut record, root);
+        match_anew(record, root);
     }
-    Some(record.finish())
 }
 
 /// Whether a passage that did not read a sign as it is called may have missed it, wherever it was.
-pub fn may_have_missed(index: &MapIndex, passage: &Passage) -> bool {
+fn may_have_missed(index: &MapIndex, passage: &Passage) -> bool {
     let object = index.objects().get(passage.sign.root);
     let hangs = object.is_some_and(|object| object.state != AnchorState::Retired);
     hangs && (clear_views(passage) >= CLEAR_VIEWS || reads_another(index, passage))
 }
 
-/// Returns what changes because the passage was there and did not see the sign as it is called; `place` is where it would
-/// hang.
-pub fn missed(index: &mut MapIndex, passage: &Passage, place: &Point3) -> Decided {
-    let mut record = Recorder::new(index);
+/// The passage was there and did not see the sign as it is called; `place` is where it would hang.
+fn miss(record: &mut Recorder<'_>, passage: &Passage, place: &Point3) {
     let root = passage.sign.root;
     let keyframe = passage.expecting.first().map(|expecting| expecting.keyframe);
     let other = match in_its_place(record.index(), passage, place) {
@@ -71,9 +101,8 @@ pub fn missed(index: &mut MapIndex, passage: &Passage, place: &Point3) -> Decide
     if let Some((keyframe, other)) = keyframe.zip(other) {
         record.apply(vec![Change::SignMissed(MissedSign { anchor: root, keyframe, other })]);
         record.touch(root);
-        retire(&mut record, passage);
+        retire(record, passage);
     }
-    record.finish()
 }
 
 fn clear_views(passage: &Passage) -> usize {

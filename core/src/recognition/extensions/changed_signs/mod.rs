@@ -13,7 +13,8 @@
 //! | three passages retire a sign, one returns it | [`judged`] |
 //! | a new sign that has fed the old one's anchor | `split` |
 //!
-//! All of it is decided inside the write of a keyframe, from facts alone, and kept: nothing runs at load.
+//! A keyframe's write tells which passages it ends. They are judged after it, in a version of the map of its own, because
+//! geometry may have to look; what is found is kept, and nothing runs at load.
 
 pub mod expected;
 pub mod judged;
@@ -24,6 +25,6 @@ pub mod seen;
 mod split;
 
 pub use expected::Sign;
-pub use judged::{may_have_missed, missed, seen_again};
+pub use judged::{judge, looks};
 pub use passages::{Passage, passages_ended_by};
-pub use place::{LOOKS_OF_A_WRITE_MAX, Look, looks, tracked_here};
+pub use place::Look;

@@ -32,10 +32,14 @@ struct Passed<'a> {
     way_m: f64,
 }
 
-/// Returns the passages that a keyframe ends, by arriving as the last of its session: of each sign that a keyframe should
+/// Returns the passages that a keyframe ends where signs may change, by arriving as the last of its session: of each sign that a keyframe should
 /// have seen which is now more than `distinctive_place_radius_m` behind, and none since.
 pub fn passages_ended_by(index: &MapIndex, arrived: KeyframeSeq) -> Vec<Passage> {
-    let radius_m = index.properties().settings.distinctive_place_radius_m;
+    let settings = &index.properties().settings;
+    if !settings.signs_may_change {
+        return Vec::new();
+    }
+    let radius_m = settings.distinctive_place_radius_m;
     let passed = look_back(index, arrived, radius_m);
     let Some(before) = passed.get(1) else { return Vec::new() };
     let left_behind = (1..passed.len()).filter(|at| {

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use super::expected::{Expecting, is_in_image};
 use super::passages::Passage;
 use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::domain::settings::Settings;
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
@@ -24,15 +25,20 @@ pub const POINTS_MIN: usize = 6;
 /// The keyframes of a passage that geometry looks at for one sign.
 pub const LOOKS_MAX: usize = 3;
 
-/// Verifications of one write. What is left over counts as not looked at.
+/// Verifications after one write. What is left over counts as not looked at.
 pub const LOOKS_OF_A_WRITE_MAX: usize = 4;
 
 /// The seed of the verification, whatever the seeds of queries.
 const SEED: u64 = 0;
 
-/// A keyframe that should have seen a sign, and one that read it from nearly there, for geometry.
+/// A keyframe that should have seen a sign, and one that read it from nearly there, for geometry: as they were at one version
+/// of the map.
 #[derive(Clone, Debug)]
 pub struct Look {
+    settings: Settings,
+    metric: bool,
+    /// Where the sign hangs in the session's frame.
+    sign: Point3,
     query: (KeyframeSeq, GeometrySnapshot),
     candidate: (KeyframeSeq, GeometrySnapshot),
     path: TrackedPath,
@@ -48,13 +54,6 @@ pub fn tracked_here(index: &MapIndex, passage: &Passage) -> bool {
         let observed = own.map_or(0, |own| own.iter().filter(|point| around.contains(point)).count());
         is_half(observed, around.len())
     })
-}
-
-/// Returns pairs of keyframes that geometry may look at, at most `most`, the nearest in direction first.
-pub fn looks(index: &MapIndex, passage: &Passage, most: usize) -> Vec<Look> {
-    let mut pairs = passage.expecting.clone();
-    pairs.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad).then_with(|| b.keyframe.cmp(&a.keyframe)));
-    pairs.iter().take(LOOKS_MAX.min(most)).filter_map(|pair| Look::at(index, passage, pair)).collect()
 }
 
 /// Returns the map points around a sign that a keyframe of its session observes, but for those on the sign: a new one
@@ -76,6 +75,13 @@ fn is_half(count: usize, of: usize) -> bool {
 }
 
 impl Look {
+    /// Returns pairs of keyframes that geometry may look at, at most `most`, the nearest in direction first.
+    pub(super) fn all(index: &MapIndex, passage: &Passage, most: usize) -> Vec<Self> {
+        let mut pairs = passage.expecting.clone();
+        pairs.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad).then_with(|| b.keyframe.cmp(&a.keyframe)));
+        pairs.iter().take(LOOKS_MAX.min(most)).filter_map(|pair| Self::at(index, passage, pair)).collect()
+    }
+
     fn at(index: &MapIndex, passage: &Passage, pair: &Expecting) -> Option<Self> {
         let (query, candidate) = (pair.keyframe, pair.read_by);
         let around = points_around(index, passage, candidate);
@@ -83,11 +89,20 @@ impl Look {
             return None;
         }
         // Where odometry may be off by more, it cannot tell this place from the next.
-        let most_m = index.properties().settings.distinctive_place_radius_m;
+        let properties = index.properties();
+        let most_m = properties.settings.distinctive_place_radius_m;
         let path = TrackedPath::by_loops(index, query, candidate, most_m)?;
         let sights =
             GeometrySnapshot::stored(index, query).zip(GeometrySnapshot::stored(index, candidate))?;
-        Some(Self { query: (query, sights.0), candidate: (candidate, sights.1), path, around })
+        Some(Self {
+            settings: properties.settings.clone(),
+            metric: properties.metric,
+            sign: passage.sign.centre,
+            query: (query, sights.0),
+            candidate: (candidate, sights.1),
+            path,
+            around,
+        })
     }
 
     /// Returns the keyframes whose features it needs.
@@ -99,35 +114,33 @@ impl Look {
 
     /// Runs geometry. Returns where the sign would hang in the session's frame as the query's pose has it, if the query looks
     /// at that place, and is near enough to see it.
-    pub fn verify(&self, index: &MapIndex, passage: &Passage, features: &FeatureSet) -> Option<Point3> {
-        let properties = index.properties();
-        let terms = Terms { settings: &properties.settings, metric: properties.metric };
+    pub fn verify(&self, features: &FeatureSet) -> Option<Point3> {
+        let terms = Terms { settings: &self.settings, metric: self.metric };
+        let (query, candidate) = (&self.query.1, &self.candidate.1);
         let of = |keyframe: KeyframeSeq| features.stored.get(&keyframe).map(AsRef::as_ref);
         let comparisons = Comparisons::default();
-        let asked = PlacedQuery::new((&self.query.1, of(self.query.0)?), &comparisons);
+        let asked = PlacedQuery::new((query, of(self.query.0)?), &comparisons);
         let seen = of(self.candidate.0)?;
-        let checked = verify_views(&terms, &asked, (&self.candidate.1, seen), features, SEED).ok()?;
+        let checked = verify_views(&terms, &asked, (candidate, seen), features, SEED).ok()?;
         let found = &checked.verification;
         if found.status != Status::Verified || !found.model.is_metric() {
             return None;
         }
         let candidate_from_query: Sim3 = checked.between_poses(&found.candidate_from_query?);
-        if self.path.discrepancy(&candidate_from_query, &properties.settings).is_some() {
+        if self.path.discrepancy(&candidate_from_query, &self.settings).is_some() {
             return None;
         }
-        let (query, candidate) = (index.keyframe(self.query.0)?, index.keyframe(self.candidate.0)?);
         // Where the query's pose has a point that the candidate's session knows.
         let placed = |point: &Point3| {
-            let in_candidate = candidate.map_from_camera.inverse_transform(point);
-            query.map_from_camera.transform(&candidate_from_query.inverse_transform(&in_candidate))
+            let in_candidate = candidate.session_from_camera.inverse_transform(point);
+            query.session_from_camera.transform(&candidate_from_query.inverse_transform(&in_candidate))
         };
-        let camera = query.camera.as_ref()?;
-        let is_in_view = |point: &Point3| is_in_image(&placed(point), camera, &query.map_from_camera);
+        let is_in_view =
+            |point: &Point3| is_in_image(&placed(point), &query.camera, &query.session_from_camera);
         let (mut everywhere, mut around) = (Found::default(), Found::default());
         for (feature, point) in seen.map_points.iter().enumerate() {
             let Some(point) = point else { continue };
-            let position = index.points().position(passage.sign.session, *point);
-            if position.is_some_and(|position| is_in_view(&position)) {
+            if candidate.position(*point).is_some_and(is_in_view) {
                 let is_found = found.explained_features.binary_search(&(feature as u32)).is_ok();
                 everywhere.count(is_found);
                 if self.around.contains(point) {
@@ -135,9 +148,8 @@ impl Look {
                 }
             }
         }
-        let place = placed(&passage.sign.centre);
         let looks_there = around.found >= POINTS_MIN && 2.0 * around.share() >= everywhere.share();
-        (looks_there && is_in_view(&passage.sign.centre)).then_some(place)
+        (looks_there && is_in_view(&self.sign)).then(|| placed(&self.sign))
     }
 }
 

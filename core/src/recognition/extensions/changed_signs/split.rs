@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use super::passages::Passage;
 use super::readings::read_otherwise;
+use crate::domain::anchor::Observation;
 use crate::domain::change::{Change, MovedObservation};
 use crate::domain::ids::AnchorSeq;
 use crate::recognition::anchors::ingest::{merge_all, tell_description, tell_revisits};
@@ -17,15 +18,12 @@ pub(super) fn split(record: &mut Recorder<'_>, passage: &Passage, gist: &str) ->
     let index = record.index();
     let object = index.objects().get(passage.sign.root)?;
     let (new, class) = (index.next_anchor(), index.class_of(object).into());
-    // The rows of the keyframe that arrives come after these changes.
-    let arrived = passage.drive.first();
     let mut moved = Vec::new();
     for from in &object.members {
         let Some(anchor) = index.anchor(*from) else { continue };
-        let goes = anchor.observations.values().filter(|seen| {
-            let reads = read_otherwise(index, object, seen).is_some_and(|text| text.gist() == gist);
-            reads && Some(&seen.keyframe) != arrived
-        });
+        let reads =
+            |seen: &&Observation| read_otherwise(index, object, seen).is_some_and(|text| text.gist() == gist);
+        let goes = anchor.observations.values().filter(reads);
         let of_anchor: Vec<MovedObservation> = goes
             .map(|seen| MovedObservation {
                 keyframe: seen.keyframe,
