@@ -34,6 +34,6 @@ pub(super) async fn holdings(db: &mut Connection) -> Result<Holdings, StoreError
     let count = "select (select count(*) from maps where deleted = 0 and id not like '%/%'),
         (select count(*) from keyframes where map_key in (select map_key from maps where deleted = 0)),
         (select count(*) from anchors where map_key in (select map_key from maps where deleted = 0))";
-    let (maps, keyframes, anchors): (i64, i64, i64) = sql::query_as(count).fetch_one(&mut *db).await?;
-    Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
+    let (maps, keyframes, anchors) = sql::query_as(count).fetch_one(&mut *db).await?;
+    Ok(Holdings { schema, maps, keyframes, anchors })
 }

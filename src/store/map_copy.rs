@@ -34,16 +34,14 @@ impl Store {
     pub async fn copy_map(&self, id: &MapId) -> Result<Option<MapCopy>, StoreError> {
         let mut db = self.snapshot().await?;
         let select = "select map_key, version from maps where id = $1 and deleted = 0";
-        let found: Option<(MapKey, i64)> =
-            sql::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+        let found = sql::query_as(select).bind(id).fetch_optional(&mut *db).await?;
         let Some((map, version)) = found else {
             db.commit().await?;
             return Ok(None);
         };
         let result = self.copy_rows(&mut db, map).await;
         db.commit().await?;
-        let (store, version) = (self.clone(), version.unsigned_abs());
-        Ok(Some(MapCopy { store, key: result?, version, has_name: false }))
+        Ok(Some(MapCopy { store: self.clone(), key: result?, version, has_name: false }))
     }
 
     async fn copy_rows(&self, db: &mut Transaction, map: MapKey) -> Result<MapKey, StoreError> {

@@ -26,8 +26,7 @@ impl Store {
             return Ok(0);
         }
         let select = "select count(*) from nodes where expires > clock_timestamp()";
-        let count: i64 = sql::query_scalar(select).fetch_one(&self.readers).await?;
-        Ok(count.unsigned_abs())
+        Ok(sql::query_scalar(select).fetch_one(&self.readers).await?)
     }
 
     /// Throws away the maps whose transfer was not completed.

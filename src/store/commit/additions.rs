@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use super::job::{Batch, MapKey};
 use crate::domain::event::Event;
-use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, SessionSeq};
+use crate::domain::ids::{AnchorSeq, PointId, SessionId, SessionSeq};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::rows::bulk_insert::{RowValues, write_rows};
@@ -88,13 +88,13 @@ impl<'j> Additions<'j> {
         }
         let sessions = "insert into sessions (map_key, session, id) ";
         write_rows(db, sessions, "", &self.sessions, |row, (map, seq, id)| {
-            row.push_bind(*map).push_bind(seq.0).push_bind(id.as_str().to_owned());
+            row.push_bind(*map).push_bind(*seq).push_bind(*id);
         })
         .await?;
         keyframe_rows::add_keyframes(db, &self.keyframes).await?;
         let anchors = "insert into anchors (map_key, anchor, class, version) ";
         write_rows(db, anchors, "", &self.anchors, |row, (map, seq, class)| {
-            row.push_bind(*map).push_bind(seq.0).push_bind((*class).to_owned()).push_bind(1);
+            row.push_bind(*map).push_bind(*seq).push_bind(*class).push_bind(1);
         })
         .await?;
         keyframe_rows::add_detections(db, &self.detections).await?;
@@ -106,7 +106,7 @@ impl<'j> Additions<'j> {
         let set = "update anchors set version = column3 from (";
         let of = ") as given where anchors.map_key = column1 and anchors.anchor = column2";
         write_rows(db, set, of, &touched, |row, ((map, anchor), version)| {
-            row.push_bind(*map).push_bind(anchor.0).push_bind(*version as i64);
+            row.push_bind(*map).push_bind(*anchor).push_bind(*version);
         })
         .await?;
         add_events(db, &self.events).await?;
@@ -119,21 +119,17 @@ async fn add_events(db: &mut Connection, events: &[(MapKey, &Event)]) -> Result<
         into_session, detail, told_us) ";
     let now = micros_now();
     let push = |row: &mut RowValues, (map, event): &(MapKey, &Event)| {
-        let id = |id: &KeyframeId| id.as_str().to_owned();
-        row.push_bind(*map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
-        row.push_bind(event.map_version as i64);
-        row.push_bind(event.anchor.map(|anchor| anchor.0)).push_bind(event.other.map(|anchor| anchor.0));
-        row.push_bind(event.keyframe.as_ref().map(id)).push_bind(event.candidate.as_ref().map(id));
-        row.push_bind(event.loop_id.as_ref().map(LoopId::as_str).map(str::to_owned));
-        let session = |id: &SessionId| id.as_str().to_owned();
-        row.push_bind(event.query.clone());
-        row.push_bind(event.session.as_ref().map(session)).push_bind(event.into.as_ref().map(session));
-        row.push_bind(event.detail.clone()).push_bind(now);
+        row.push_bind(*map).push_bind(event.seq).push_bind(event.kind).push_bind(event.map_version);
+        row.push_bind(event.anchor).push_bind(event.other);
+        row.push_bind(event.keyframe.as_ref()).push_bind(event.candidate.as_ref());
+        row.push_bind(event.loop_id.as_ref()).push_bind(&event.query);
+        row.push_bind(event.session.as_ref()).push_bind(event.into.as_ref());
+        row.push_bind(&event.detail).push_bind(now);
     };
     write_rows(db, head, "", events, push).await?;
     for (map, event) in events.iter().filter(|(_, event)| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {
         let sweep = "delete from events where map_key = $1 and seq <= $2";
-        run(db, sql::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
+        run(db, sql::statement(sweep, (map, event.seq.saturating_sub(EVENTS_KEPT)))).await?;
     }
     Ok(())
 }

@@ -5,14 +5,14 @@ use std::borrow::Cow;
 use super::additions::Additions;
 use super::job::{Batch, ErasureStep, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause};
+use crate::domain::ids::{AnchorSeq, LoopId};
 use crate::store::StoreError;
 use crate::store::log::entry::Entry;
 use crate::store::log::log_rows::{self, FIRST_PART};
 use crate::store::log::parts::{Kind, Part, is_ordered};
 use crate::store::log::said::said;
 use crate::store::postgres::change_log;
-use crate::store::rows::blob::pack;
-use crate::store::rows::keyframe_rows::{Arrived, detections, pose_blob};
+use crate::store::rows::keyframe_rows::{Arrived, detections};
 use crate::store::rows::statement::run;
 use crate::store::rows::verdict_rows::KeptQuery;
 use crate::store::rows::{
@@ -21,7 +21,7 @@ use crate::store::rows::{
     transferred_rows, twin_rows, unsaid,
 };
 use crate::store::slices::{deferred, deletion};
-use crate::store::sql::{self, Connection, Engine};
+use crate::store::sql::{self, Connection, Engine, Query};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
@@ -62,7 +62,7 @@ async fn execute_one<'j>(rows: &mut Rows<'_, 'j>, job: &'j Job) -> Result<(), St
         }
         Job::AppendEvents(map, next_event, events) => {
             let update = "update maps set next_event = $2 where map_key = $1";
-            run(rows.db().await?, sql::query(update).bind(map).bind(*next_event as i64)).await?;
+            run(rows.db().await?, sql::statement(update, (*map, *next_event))).await?;
             rows.gathered.tell(*map, events);
             Ok(())
         }
@@ -114,9 +114,9 @@ async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Re
     match step {
         ErasureStep::Begin(asked, at) => erasure_rows::begin(db, of, asked, *at).await,
         ErasureStep::Count(keyframes, releases) => {
-            erasure_rows::count(db, of, (*keyframes, releases.len() as u64)).await?;
+            run(db, erasure_rows::count(of, (*keyframes, releases.len()))).await?;
             for release in releases {
-                release_rows::count_erasure(db, *release).await?;
+                run(db, release_rows::count_erasure(*release)).await?;
             }
             Ok(())
         }
@@ -127,8 +127,8 @@ async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Re
             }
             traces::remove(db, *map, sessions).await
         }
-        ErasureStep::Removed => erasure_rows::removed(db, of).await,
-        ErasureStep::Done(at) => erasure_rows::done(db, of, *at).await,
+        ErasureStep::Removed => run(db, erasure_rows::removed(of)).await,
+        ErasureStep::Done(at) => run(db, erasure_rows::done(of, *at)).await,
     }
 }
 
@@ -198,112 +198,116 @@ async fn log(
 async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change) -> Result<(), StoreError> {
     let (map, version) = (batch.map, batch.version);
     let of = (map, version);
-    match change {
-        Change::SessionAdded(seq, id) => rows.gathered.sessions.push((map, *seq, id)),
+    let statement = match change {
+        // Gathered, and written with those of other jobs.
+        Change::SessionAdded(seq, id) => {
+            rows.gathered.sessions.push((map, *seq, id));
+            return Ok(());
+        }
         Change::KeyframeAdded(keyframe, bow) => {
             let new = batch.new_keyframe.as_ref();
             let new = new.ok_or_else(|| StoreError::corrupt("a keyframe without its rows"))?;
             rows.gathered.keyframes.push(Arrived { map, version, keyframe, bow, rows: new });
+            return Ok(());
         }
-        Change::AnchorAdded(seq, class) => rows.gathered.anchors.push((map, *seq, class)),
-        Change::AnchorTouched(seq, version) => drop(rows.gathered.touched.insert((map, *seq), *version)),
-        Change::PointSet(session, id, at) => rows.gathered.points.push((map, *session, *id, *at)),
+        Change::AnchorAdded(seq, class) => {
+            rows.gathered.anchors.push((map, *seq, class));
+            return Ok(());
+        }
+        Change::AnchorTouched(seq, version) => {
+            rows.gathered.touched.insert((map, *seq), *version);
+            return Ok(());
+        }
+        Change::PointSet(session, id, at) => {
+            rows.gathered.points.push((map, *session, *id, *at));
+            return Ok(());
+        }
         // Written with the keyframe's rows, or to the log alone.
         Change::GlobalDescriptorSet(..)
         | Change::Observed(..)
         | Change::OutcomeSet(..)
-        | Change::ObservationsSent(_) => {}
-        Change::MapSet(properties) => {
-            let db = rows.db().await?;
-            map_rows::set_properties(db, map, properties).await?;
-        }
-        Change::VocabularySet(name) => {
-            let update = "update maps set vocabulary = $2 where map_key = $1";
-            run(rows.db().await?, sql::query(update).bind(map).bind(&**name)).await?;
-        }
-        Change::KeyframeRemoved(seq, _) => {
-            let delete = "delete from keyframes where map_key = $1 and keyframe = $2";
-            run(rows.db().await?, sql::query(delete).bind(map).bind(seq.0)).await?;
-        }
-        Change::PartsForgotten(parts) => retention_rows::forget_parts(rows.db().await?, map, parts).await?,
-        Change::PoseSet(seq, pose) => {
-            let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-            run(rows.db().await?, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await?;
-        }
-        Change::PointsOfKeyframeSet(points) => {
-            observation_rows::set_points_of_keyframe(rows.db().await?, map, points).await?;
-        }
-        Change::PointsOfDetectionSet(_, keyframe, detection, points) => {
-            observation_rows::set_points_of_detection(rows.db().await?, map, (*keyframe, *detection), points)
-                .await?;
+        | Change::ObservationsSent(_) => return Ok(()),
+        // More than one statement.
+        Change::PartsForgotten(parts) => {
+            return retention_rows::forget_parts(rows.db().await?, map, parts).await;
         }
         Change::PointsForgotten(session, ids) => {
-            point_blocks::change(rows.db().await?, map, ids.iter().map(|id| (*session, *id, None))).await?;
+            let points = ids.iter().map(|id| (*session, *id, None));
+            return point_blocks::change(rows.db().await?, map, points).await;
         }
-        Change::AnchorRemoved(seq) => {
-            let db = rows.db().await?;
-            let orphan =
-                "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
-                deleted_in = $3 where map_key = $1 and anchor = $2";
-            run(db, sql::query(orphan).bind(map).bind(seq.0).bind(version as i64)).await?;
-            prior_rows::remove(db, map, *seq).await?;
-            let delete = "delete from anchors where map_key = $1 and anchor = $2";
-            run(db, sql::query(delete).bind(map).bind(seq.0)).await?;
+        Change::AnchorRemoved(seq) => return remove_anchor(rows.db().await?, of, *seq).await,
+        Change::JudgementAdvanced(progress) => {
+            return judgement_rows::advance(rows.db().await?, map, progress).await;
         }
-        Change::PriorSet(seq, prior) => prior_rows::add(rows.db().await?, map, *seq, prior).await?,
+        Change::LoopRemoved(id) => return remove_loop(rows.db().await?, map, id).await,
+
+        Change::MapSet(properties) => map_rows::set_properties(map, properties)?,
+        Change::VocabularySet(name) => {
+            sql::statement("update maps set vocabulary = $2 where map_key = $1", (map, &**name))
+        }
+        Change::KeyframeRemoved(seq, _) => {
+            sql::statement("delete from keyframes where map_key = $1 and keyframe = $2", (map, *seq))
+        }
+        Change::PoseSet(seq, pose) => {
+            let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
+            sql::statement(update, (map, *seq, pose))
+        }
+        Change::PointsOfKeyframeSet(points) => observation_rows::set_points_of_keyframe(map, points),
+        Change::PointsOfDetectionSet(_, keyframe, detection, points) => {
+            observation_rows::set_points_of_detection(map, (*keyframe, *detection), points)
+        }
+        Change::PriorSet(seq, prior) => prior_rows::add(map, *seq, prior),
         Change::PositionSet(_, keyframe, detection, at) => {
             let update =
                 "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
-            let position = pack([at.x, at.y, at.z]);
-            run(
-                rows.db().await?,
-                sql::query(update).bind(map).bind(keyframe.0).bind(*detection).bind(position),
-            )
-            .await?;
+            sql::statement(update, (map, *keyframe, *detection, *at))
         }
         Change::DescriptionSet(seq, text) => {
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
-            let query = sql::query(update).bind(map).bind(seq.0).bind(text.as_deref());
-            run(rows.db().await?, query).await?;
+            sql::statement(update, (map, *seq, text.as_deref()))
         }
-        Change::Merged(merge) => add_merge(rows.db().await?, map, merge).await?,
-        Change::Parted(merge) => remove_merge(rows.db().await?, map, merge).await?,
-        Change::SessionsMerged(merge) => session_merge_rows::add(rows.db().await?, of, merge).await?,
-        Change::MergeKept(undo) => session_merge_rows::keep_undo(rows.db().await?, of, undo).await?,
-        Change::MergeSettled(session) => session_merge_rows::settle(rows.db().await?, map, *session).await?,
-        Change::MergeRevoked(undo) => session_merge_rows::remove(rows.db().await?, map, undo).await?,
-        Change::LoopAdded(closed) => add_loop(rows.db().await?, map, closed).await?,
-        Change::TwinsFound(twins) => twin_rows::add(rows.db().await?, map, twins).await?,
-        Change::TwinsWithdrawn(twins) => twin_rows::remove(rows.db().await?, map, twins).await?,
-        Change::ObservationMoved(moved) => {
-            changed_sign_rows::move_observation(rows.db().await?, map, moved).await?;
+        Change::Merged(merge) => add_merge(map, merge),
+        Change::Parted(merge) => remove_merge(map, merge),
+        Change::SessionsMerged(merge) => session_merge_rows::add(of, merge),
+        Change::MergeKept(undo) => session_merge_rows::keep_undo(of, undo)?,
+        Change::MergeSettled(session) => session_merge_rows::settle(map, *session),
+        Change::MergeRevoked(undo) => session_merge_rows::remove(map, undo),
+        Change::LoopAdded(closed) => add_loop(map, closed),
+        Change::TwinsFound(twins) => twin_rows::add(map, twins),
+        Change::TwinsWithdrawn(twins) => twin_rows::remove(map, twins),
+        Change::ObservationMoved(moved) => changed_sign_rows::move_observation(map, moved),
+        Change::SignMissed(missed) => changed_sign_rows::miss(map, missed),
+        Change::MissesWithdrawn(anchor) => changed_sign_rows::withdraw_misses(map, *anchor),
+        Change::SignRetired(anchor, other) => changed_sign_rows::retire(map, *anchor, *other),
+        Change::SignReturned(anchor) => changed_sign_rows::restore(map, *anchor),
+        Change::CropRead(read) => model_rows::add_reading(of, read)?,
+        Change::Judged(verdict) => model_rows::add_verdict(of, verdict),
+        Change::ModelAway(away) => {
+            sql::statement("update maps set models_away = $2 where map_key = $1", (map, *away))
         }
-        Change::SignMissed(missed) => changed_sign_rows::miss(rows.db().await?, map, missed).await?,
-        Change::MissesWithdrawn(anchor) => {
-            changed_sign_rows::withdraw_misses(rows.db().await?, map, *anchor).await?;
-        }
-        Change::SignRetired(anchor, other) => {
-            changed_sign_rows::retire(rows.db().await?, map, *anchor, *other).await?;
-        }
-        Change::SignReturned(anchor) => changed_sign_rows::restore(rows.db().await?, map, *anchor).await?,
-        Change::CropRead(read) => model_rows::add_reading(rows.db().await?, of, read).await?,
-        Change::Judged(verdict) => model_rows::add_verdict(rows.db().await?, of, verdict).await?,
-        Change::JudgementAdvanced(progress) => {
-            judgement_rows::advance(rows.db().await?, map, progress).await?;
-        }
-        Change::ModelAway(away) => model_rows::set_away(rows.db().await?, map, *away).await?,
-        Change::LoopRemoved(id) => {
-            let db = rows.db().await?;
-            let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
-            run(db, sql::query(merges).bind(map).bind(id.as_str())).await?;
-            let delete = "delete from loops where map_key = $1 and id = $2";
-            run(db, sql::query(delete).bind(map).bind(id.as_str())).await?;
-        }
-    }
-    Ok(())
+    };
+    run(rows.db().await?, statement).await
 }
 
-async fn add_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+async fn remove_anchor(
+    db: &mut Connection,
+    (map, version): (MapKey, u64),
+    anchor: AnchorSeq,
+) -> Result<(), StoreError> {
+    let orphan = "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
+        deleted_in = $3 where map_key = $1 and anchor = $2";
+    run(db, sql::statement(orphan, (map, anchor, version))).await?;
+    run(db, prior_rows::remove(map, anchor)).await?;
+    run(db, sql::statement("delete from anchors where map_key = $1 and anchor = $2", (map, anchor))).await
+}
+
+async fn remove_loop(db: &mut Connection, map: MapKey, id: &LoopId) -> Result<(), StoreError> {
+    let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
+    run(db, sql::statement(merges, (map, id))).await?;
+    run(db, sql::statement("delete from loops where map_key = $1 and id = $2", (map, id))).await
+}
+
+fn add_merge(map: MapKey, merge: &Merge) -> Query {
     let by = match &merge.cause {
         MergeCause::Covisible => "",
         MergeCause::Loop(id) => id.as_str(),
@@ -311,32 +315,21 @@ async fn add_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result<()
     let insert =
         "insert into anchor_merges (map_key, into_anchor, from_anchor, loop_id) values ($1, $2, $3, $4)
         on conflict do nothing";
-    run(db, sql::query(insert).bind(map).bind(merge.into.0).bind(merge.from.0).bind(by)).await
+    sql::statement(insert, (map, merge.into, merge.from, by))
 }
 
 /// Removes the merge of two anchors that no loop made.
-async fn remove_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+fn remove_merge(map: MapKey, merge: &Merge) -> Query {
     let delete = "delete from anchor_merges
         where map_key = $1 and into_anchor = $2 and from_anchor = $3 and loop_id = ''";
-    run(db, sql::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
+    sql::statement(delete, (map, merge.into, merge.from))
 }
 
-async fn add_loop(db: &mut Connection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
+fn add_loop(map: MapKey, closed: &Loop) -> Query {
+    let Loop { id, keyframe, candidate, keyframe_id, candidate_id, query, candidate_from_query } = closed;
     let insert =
         "insert into loops (map_key, id, keyframe, candidate, keyframe_id, candidate_id, query, candidate_from_query)
         values ($1, $2, $3, $4, $5, $6, $7, $8)";
-    let similarity = closed.candidate_from_query.as_ref().map(|of| {
-        let ([x, y, z], [qx, qy, qz, qw]) = (of.translation_m(), of.rotation_xyzw());
-        pack([of.scale(), x, y, z, qx, qy, qz, qw])
-    });
-    let query = sql::query(insert)
-        .bind(map)
-        .bind(closed.id.as_str())
-        .bind(closed.keyframe.0)
-        .bind(closed.candidate.0)
-        .bind(closed.keyframe_id.as_str())
-        .bind(closed.candidate_id.as_str())
-        .bind(&closed.query)
-        .bind(similarity);
-    run(db, query).await
+    let similarity = candidate_from_query.as_ref();
+    sql::statement(insert, (map, id, *keyframe, *candidate, keyframe_id, candidate_id, query, similarity))
 }

@@ -14,7 +14,7 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::log::entry::Entry;
 use crate::store::log::log_rows;
-use crate::store::rows::{decode, point_blocks};
+use crate::store::rows::point_blocks;
 use crate::store::slices::deferred;
 use crate::store::sql::{self, Connection};
 
@@ -211,6 +211,5 @@ async fn pose_rows(
         where map_key = $1 and keyframe in (select cast(value as bigint) from json_each($2))";
     let listed: Vec<u32> = keyframes.collect();
     let query = sql::query_as(select).bind(map).bind(serde_json::json!(listed).to_string());
-    let rows: Vec<(u32, Vec<u8>)> = query.fetch_all(db).await?;
-    rows.into_iter().map(|(keyframe, pose)| Ok((keyframe, decode::pose(&pose)?))).collect()
+    Ok(query.fetch_all(db).await?.into_iter().collect())
 }

@@ -33,7 +33,7 @@ impl Introduced {
             let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";
             let mut rows = sql::query(select).bind(map).fetch(db);
             while let Some(row) = rows.try_next().await? {
-                let session = SessionSeq(row.try_get("session")?);
+                let session = row.try_get("session")?;
                 sent.extend(read::sent_points(&row)?.into_iter().map(|id| (session, id)));
             }
         }

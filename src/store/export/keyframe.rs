@@ -26,7 +26,7 @@ impl Export {
             let correction = PoseCorrection { session, keyframes: Vec::new(), map_points };
             self.pending.push_back(Recorded::Poses(correction));
         }
-        let seq = KeyframeSeq(row.try_get("keyframe")?);
+        let seq = row.try_get("keyframe")?;
         self.pending.extend(self.waiting.remove(&seq).into_iter().flatten());
         Ok(Step::of(Recorded::Keyframe(Box::new(sent))))
     }
@@ -37,7 +37,7 @@ impl Export {
         self.begun.insert(session);
         self.merges.add_keyframe(session);
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let features = sql::query(select).bind(self.map).bind(seq.0).fetch_optional(&mut *self.db).await?;
+        let features = sql::query(select).bind(self.map).bind(seq).fetch_optional(&mut *self.db).await?;
         let observes: Vec<PointId> = keyframe.observes.iter().collect();
         let detections = self.detections(seq).await?;
         let mut points = read::sent_points(row)?;
@@ -76,7 +76,7 @@ impl Export {
 
     async fn detections(&mut self, keyframe: KeyframeSeq) -> Result<Vec<Detection>, StoreError> {
         let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
-        let rows = sql::query(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
+        let rows = sql::query(select).bind(self.map).bind(keyframe).fetch_all(&mut *self.db).await?;
         let mut detections = Vec::with_capacity(rows.len());
         for row in &rows {
             let number: u16 = row.try_get("detection")?;
@@ -90,7 +90,7 @@ impl Export {
         }
         let select = "select detection, bytes from crops where map_key = $1 and keyframe = $2";
         let crops: Vec<(u16, Vec<u8>)> =
-            sql::query_as(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
+            sql::query_as(select).bind(self.map).bind(keyframe).fetch_all(&mut *self.db).await?;
         for (number, bytes) in crops {
             let unknown = || StoreError::corrupt(format!("the crop of detection {number} is no image"));
             let media_type = Crop::media_type_of(&bytes).ok_or_else(unknown)?;

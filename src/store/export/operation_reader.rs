@@ -93,21 +93,19 @@ impl Export {
 
     async fn begin(mut db: Transaction, id: &MapId) -> Result<Option<Self>, StoreError> {
         let select = "select map_key, vocabulary from maps where id = $1 and deleted = 0";
-        let found: Option<(MapKey, Option<String>)> =
-            sql::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
-        let Some((map, vocabulary)) = found else {
+        let Some((map, vocabulary)) = sql::query_as(select).bind(id).fetch_optional(&mut *db).await? else {
             db.commit().await?;
             return Ok(None);
         };
         let select = "select id from sessions where map_key = $1 order by session";
-        let sessions: Vec<String> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+        let sessions = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
         let properties = MapProperties { metric: true, ..MapProperties::default() };
         let history = History::rewind(&mut db, map).await?;
         let mut export = Self {
             map,
             id: id.clone(),
-            sessions: sessions.iter().map(|id| decode::id(id)).collect::<Result<_, _>>()?,
-            vocabulary: vocabulary.map(Into::into),
+            sessions,
+            vocabulary,
             introduced: Introduced::of(&mut db, map, history.is_whole).await?,
             history,
             keyframe: None,
@@ -134,7 +132,7 @@ impl Export {
     /// Returns the transformation of a loop that is still closed, if it has one.
     async fn measured(&mut self, id: &LoopId) -> Result<Option<Sim3>, StoreError> {
         let select = "select * from loops where map_key = $1 and id = $2";
-        let query = sql::query(select).bind(self.map).bind(id.as_str());
+        let query = sql::query(select).bind(self.map).bind(id);
         let row = query.fetch_optional(&mut *self.db).await?;
         let closed = row.map(|row| decode::closed_loop(&row)).transpose()?;
         Ok(closed.and_then(|closed| closed.candidate_from_query))
@@ -260,14 +258,15 @@ impl Export {
         let select = "select k.id, d.detection from detections d
             join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
             where d.map_key = $1 and d.deleted_in = $2 order by d.keyframe, d.detection limit 1";
-        let query = sql::query_as(select).bind(self.map).bind(self.version as i64);
-        let found: Option<(String, u16)> = query.fetch_optional(&mut *self.db).await?;
-        let Some(detection) = named_detection(found)? else { return Ok(Step::LeftOut) };
+        let query = sql::query_as(select).bind(self.map).bind(self.version);
+        let Some((keyframe, number)) = query.fetch_optional(&mut *self.db).await? else {
+            return Ok(Step::LeftOut);
+        };
         if self.deletion == self.version {
             return Ok(Step::LeftOut);
         }
         self.deletion = self.version;
-        Ok(Step::of(Recorded::AnchorDeleted(detection)))
+        Ok(Step::of(Recorded::AnchorDeleted(NamedDetection { keyframe, number })))
     }
 
     /// Returns the oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the
@@ -280,13 +279,10 @@ impl Export {
             join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
             where d.map_key = $1 and (d.anchor = $2 or d.deleted_anchor = $2)
             order by d.keyframe, d.detection limit 1";
-        let query = sql::query_as(select).bind(self.map).bind(anchor.0);
-        let found: Option<(u32, i64, String, u16)> = query.fetch_optional(&mut *self.db).await?;
-        let named = |(keyframe, version, id, number): (u32, i64, String, u16)| {
-            let detection = NamedDetection { keyframe: decode::id(&id)?, number };
-            Ok((KeyframeSeq(keyframe), version as u64, detection))
-        };
-        found.map(named).transpose()
+        let query = sql::query_as(select).bind(self.map).bind(anchor);
+        let found = query.fetch_optional(&mut *self.db).await?;
+        let named = |(seq, version, keyframe, number)| (seq, version, NamedDetection { keyframe, number });
+        Ok(found.map(named))
     }
 
     /// Returns a keyframe's session and name, if it is still there.
@@ -295,12 +291,9 @@ impl Export {
         keyframe: KeyframeSeq,
     ) -> Result<Option<(SessionSeq, KeyframeId)>, StoreError> {
         let select = "select session, id from keyframes where map_key = $1 and keyframe = $2";
-        let query = sql::query_as(select).bind(self.map).bind(keyframe.0);
-        let found: Option<(u32, String)> = query.fetch_optional(&mut *self.db).await?;
-        let named = |(session, id): (u32, String)| {
-            Ok((self.merges.session_of(keyframe, SessionSeq(session)), decode::id(&id)?))
-        };
-        found.map(named).transpose()
+        let query = sql::query_as(select).bind(self.map).bind(keyframe);
+        let found = query.fetch_optional(&mut *self.db).await?;
+        Ok(found.map(|(session, id)| (self.merges.session_of(keyframe, session), id)))
     }
 
     pub(super) fn session(&self, session: SessionSeq) -> Result<&SessionId, StoreError> {
@@ -311,7 +304,7 @@ impl Export {
     pub(super) async fn keyframe_after(&mut self, last: i64) -> Result<Option<(u64, Row)>, StoreError> {
         let select = "select * from keyframes where map_key = $1 and keyframe > $2 order by keyframe limit 1";
         let row = sql::query(select).bind(self.map).bind(last).fetch_optional(&mut *self.db).await?;
-        row.map(|row| Ok((row.try_get::<i64, _>("version")? as u64, row))).transpose()
+        row.map(|row| Ok((row.try_get("version")?, row))).transpose()
     }
 }
 
@@ -327,10 +320,6 @@ impl Step {
     pub(super) fn of(recorded: Recorded) -> Self {
         Self::Operation(Box::new(recorded))
     }
-}
-
-fn named_detection(found: Option<(String, u16)>) -> Result<Option<NamedDetection>, StoreError> {
-    found.map(|(id, number)| Ok(NamedDetection { keyframe: decode::id(&id)?, number })).transpose()
 }
 
 /// Returns the changes that turn one set of properties into another.

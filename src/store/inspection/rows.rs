@@ -1,14 +1,15 @@
 //! Rows of one map that its index does not hold: they decode, and events and detections are numbered without a gap.
 
-use crate::store::sql::{self, Connection};
 use futures_util::TryStreamExt as _;
 
 use crate::domain::keyframe::{Crop, Features};
+use crate::domain::request::Digest;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::facts::MapFacts;
 use crate::store::log::entry::Entry;
-use crate::store::rows::{decode, read};
+use crate::store::rows::read;
+use crate::store::sql::{self, Connection};
 
 /// Whether features fit together, so that they can be matched.
 pub(super) type Fit = fn(Features) -> bool;
@@ -87,7 +88,8 @@ async fn keyframes(
             Ok(false) => faults.push(format!("{what} of keyframe {id} do not fit together")),
             Err(error) => faults.push(format!("{what} of keyframe {id}: {error}")),
         };
-        note(decode::digest(&row).map(|_| true), "the digest");
+        let digest: Result<Digest, _> = row.try_get("digest");
+        note(digest.map(|_| true).map_err(Into::into), "the digest");
         note(read::sent_points(&row).map(|_| true), "the sent points");
         if row.try_get::<Option<&[u8]>, _>("descriptors")?.is_some() {
             note(read::features(&row).map(fit), "the features");

@@ -36,8 +36,8 @@ pub(in crate::store) async fn add(
 ) -> Result<(), StoreError> {
     let number = if part.kind == Kind::Unsaid { UNSAID } else { number };
     let insert = "insert into versions (map_key, version, part, kind, body) values ($1, $2, $3, $4, $5)";
-    let query = sql::query(insert).bind(map).bind(version as i64).bind(number);
-    run(db, query.bind(part.kind.as_str()).bind(part.entry.to_bytes()?)).await
+    let values = (map, version, number, part.kind.as_str(), part.entry.to_bytes()?);
+    run(db, sql::statement(insert, values)).await
 }
 
 /// Adds a part that counts for nothing until its version's first part is there.
@@ -50,7 +50,7 @@ pub(in crate::store) async fn stage(
     if number == FIRST_PART + 1 {
         // An earlier attempt at this version may have failed halfway.
         let leftover = "delete from versions where map_key = $1 and version >= $2";
-        run(db, sql::query(leftover).bind(map).bind(version as i64)).await?;
+        run(db, sql::statement(leftover, (map, version))).await?;
     }
     add(db, (map, version), number, part).await
 }
@@ -64,16 +64,16 @@ pub(in crate::store) async fn after(
     let select = format!(
         "select min(version) from versions v where map_key = $1 and version > $2 and kind in ('said', 'moved') and {COUNTS}"
     );
-    let next = sql::query_scalar(AssertSqlSafe(select)).bind(map).bind(version as i64);
-    let Some(next): Option<i64> = next.fetch_one(&mut *db).await? else { return Ok(None) };
-    Ok(Some((next as u64, of_version(db, map, next).await?)))
+    let next = sql::query_scalar(AssertSqlSafe(select)).bind(map).bind(version);
+    let Some(next): Option<u64> = next.fetch_one(&mut *db).await? else { return Ok(None) };
+    Ok(Some((next, of_version(db, map, next).await?)))
 }
 
 /// Returns what a version said.
 pub(in crate::store) async fn of_version(
     db: &mut Connection,
     map: MapKey,
-    version: i64,
+    version: u64,
 ) -> Result<Vec<Entry<'static>>, StoreError> {
     let select = "select body from versions
         where map_key = $1 and version = $2 and kind in ('said', 'moved') order by part";
@@ -89,9 +89,8 @@ pub(in crate::store) async fn row_after(
 ) -> Result<Option<Logged>, StoreError> {
     let select = "select version, part, body from versions
         where map_key = $1 and (version, part) > ($2, $3) order by version, part limit 1";
-    let query = sql::query_as(select).bind(map).bind(version as i64).bind(part);
-    let found: Option<(i64, i64, Vec<u8>)> = query.fetch_optional(db).await?;
-    Ok(found.map(|(version, part, body)| Logged { version: version as u64, part, body }))
+    let found = sql::query_as(select).bind(map).bind(version).bind(part).fetch_optional(db).await?;
+    Ok(found.map(|(version, part, body)| Logged { version, part, body }))
 }
 
 /// Writes another body into a row, or removes the row where there is none.
@@ -101,14 +100,13 @@ pub(in crate::store) async fn replace(
     row: &Logged,
     body: Option<Vec<u8>>,
 ) -> Result<(), StoreError> {
-    let (change, body) = match body {
-        Some(body) => {
-            ("update versions set body = $4 where map_key = $1 and version = $2 and part = $3", Some(body))
-        }
-        None => ("delete from versions where map_key = $1 and version = $2 and part = $3", None),
+    let update = "update versions set body = $4 where map_key = $1 and version = $2 and part = $3";
+    let delete = "delete from versions where map_key = $1 and version = $2 and part = $3";
+    let query = match body {
+        Some(body) => sql::statement(update, (map, row.version, row.part, body)),
+        None => sql::statement(delete, (map, row.version, row.part)),
     };
-    let query = sql::query(change).bind(map).bind(row.version as i64).bind(row.part);
-    run(db, if let Some(body) = body { query.bind(body) } else { query }).await
+    run(db, query).await
 }
 
 /// Removes the parts that a process staged and did not commit.
@@ -126,5 +124,5 @@ pub(in crate::store) async fn remove_uncommitted_of(
 ) -> Result<(), StoreError> {
     let delete = "delete from versions where map_key = $1
         and version > (select version from maps where map_key = $1)";
-    run(db, sql::query(delete).bind(map)).await
+    run(db, sql::statement(delete, (map,))).await
 }

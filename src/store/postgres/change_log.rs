@@ -37,8 +37,7 @@ pub(in crate::store) async fn log(db: &mut Connection, batch: &Batch) -> Result<
         return Ok(());
     }
     let insert = "insert into map_changes (map_key, version, format, changes) values ($1, $2, $3, $4)";
-    let query = sql::query(insert).bind(batch.map).bind(batch.version as i64).bind(FORMAT);
-    run(db, query.bind(changes)).await
+    run(db, sql::statement(insert, (batch.map, batch.version, FORMAT, changes))).await
 }
 
 /// Notes that rows of a map changed that no version tells.
@@ -81,27 +80,26 @@ impl Store {
         let select =
             "select m.version, coalesce(r.rewritten, 0) from maps m left join map_rewrites r using (map_key)
             where m.map_key = $1 and m.deleted = 0";
-        let found: Option<(i64, i64)> = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        let found: Option<(u64, i64)> = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
         let Some((newest, rewritten)) = found else { return Ok(News::Gone) };
         if rewritten != rewrites {
             return Ok(News::Unknown);
         }
-        if newest as u64 <= version {
+        if newest <= version {
             return Ok(News::Changes(Vec::new()));
         }
         let select = "select version, format, changes from map_changes
             where map_key = $1 and version > $2 order by version limit $3";
-        let query = sql::query_as(select).bind(map).bind(version as i64).bind(VERSIONS_AT_ONCE);
-        let rows: Vec<(i64, String, Vec<u8>)> = query.fetch_all(&self.readers).await?;
-        Ok(without_gap(version, rows).map_or(News::Unknown, News::Changes))
+        let query = sql::query_as(select).bind(map).bind(version).bind(VERSIONS_AT_ONCE);
+        Ok(without_gap(version, query.fetch_all(&self.readers).await?).map_or(News::Unknown, News::Changes))
     }
 }
 
 /// Returns the changes of the versions that follow each other from the one that is known; `None` if the next one is not there.
-fn without_gap(known: u64, rows: Vec<(i64, String, Vec<u8>)>) -> Option<Vec<(u64, Vec<Change>)>> {
+fn without_gap(known: u64, rows: Vec<(u64, String, Vec<u8>)>) -> Option<Vec<(u64, Vec<Change>)>> {
     let mut changes = Vec::new();
     for (next, (version, format, bytes)) in (known + 1..).zip(rows) {
-        if version as u64 != next || format != FORMAT {
+        if version != next || format != FORMAT {
             break;
         }
         let Ok(of_version) = rmp_serde::from_slice(&bytes) else { break };
@@ -115,8 +113,8 @@ mod tests {
     use super::*;
     use crate::domain::ids::AnchorSeq;
 
-    fn row(version: i64, format: &str) -> (i64, String, Vec<u8>) {
-        let changes = vec![Change::AnchorTouched(AnchorSeq(3), version as u64)];
+    fn row(version: u64, format: &str) -> (u64, String, Vec<u8>) {
+        let changes = vec![Change::AnchorTouched(AnchorSeq(3), version)];
         (version, format.to_owned(), to_bytes(&changes).expect("bytes"))
     }
 

@@ -3,10 +3,8 @@
 use std::time::Duration;
 
 use super::key_list::list;
-use crate::domain::ids::{KeyframeId, MapId};
-use crate::domain::reason::ReasonCode;
+use crate::domain::ids::MapId;
 use crate::store::commit::job::MapKey;
-use crate::store::rows::decode;
 use crate::store::rows::verdict_rows::{GivenAnswer, line};
 use crate::store::sql::{self, Row};
 use crate::store::{Store, StoreError};
@@ -47,12 +45,10 @@ impl Store {
             where m.map_key = $1 and m.deleted = 0 and r.rewritten = $5
             and (select count(*) from followed_queries where map_key = $1) < $4 for share of r
             on conflict do nothing";
-        let (line, text) = (&given.line, KeyframeId::as_str);
-        let query = sql::query(insert).bind(map).bind(given.id.as_str()).bind(&given.body[..]);
-        let query = query.bind(ANSWERS_MAX).bind(rewrites);
-        let query = query.bind(line.keyframe.as_ref().map(text)).bind(line.candidate.as_ref().map(text));
-        let query = query.bind(line.map_version as i64).bind(line.decision.as_str());
-        let query = query.bind(line.reason.map(ReasonCode::as_str)).bind(line.why.as_str());
+        let GivenAnswer { id, body, line } = given;
+        let query = sql::query(insert).bind(map).bind(id).bind(body).bind(ANSWERS_MAX).bind(rewrites);
+        let query = query.bind(line.keyframe.as_ref()).bind(line.candidate.as_ref()).bind(line.map_version);
+        let query = query.bind(line.decision).bind(line.reason).bind(&line.why);
         query.execute(&self.readers).await?;
         Ok(())
     }
@@ -87,7 +83,6 @@ impl Store {
         }
         let select = "select id from maps where deleted = 0
             and map_key in (select distinct map_key from followed_queries) order by id";
-        let ids: Vec<String> = sql::query_scalar(select).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| decode::id(id)).collect()
+        Ok(sql::query_scalar(select).fetch_all(&self.readers).await?)
     }
 }

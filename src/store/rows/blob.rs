@@ -1,6 +1,5 @@
 //! Packed little-endian lists: how numbers that are never searched lie in a row.
 
-use crate::geometry::Gravity;
 use crate::store::StoreError;
 
 /// A number of fixed width.
@@ -79,11 +78,6 @@ pub(in crate::store) fn unpack<T: Packed>(bytes: &[u8]) -> Result<Vec<T>, StoreE
 
 pub(in crate::store) fn unpack_array<T: Packed, const N: usize>(bytes: &[u8]) -> Result<[T; N], StoreError> {
     unpack(bytes)?.try_into().map_err(|_| StoreError::corrupt("a packed list has another length"))
-}
-
-/// Packs a direction of gravity, as it was given.
-pub(in crate::store) fn gravity_blob(gravity: Gravity) -> Vec<u8> {
-    pack(gravity.as_given())
 }
 
 /// Unpacks a blob as every kind of list with a fixed width that rows have, for fuzzing: what fits reads back.

@@ -1,13 +1,12 @@
 //! Erasures, as rows.
 
-use super::decode;
 use super::json;
 use super::statement::run;
 use crate::domain::erasure::{Erasure, ErasureState, MergedInVersion, NewErasure};
 use crate::domain::ids::{MapId, ReleaseName, SessionId};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::MapKey;
-use crate::store::sql::{self, Connection, Row};
+use crate::store::sql::{self, Connection, Query, Row};
 use crate::store::{Store, StoreError};
 
 /// Erasures of a map that are kept on record, oldest out first.
@@ -35,53 +34,38 @@ pub(in crate::store) async fn begin(
     asked: &NewErasure,
     at: Stamp,
 ) -> Result<(), StoreError> {
-    let body = json::text(asked)?;
+    let (state, body) = (ErasureState::Removing, json::text(asked)?);
     let insert =
         "insert into erasures (map_key, number, state, asked, keyframes, releases, begun_sec, begun_nanosec)
         values ($1, $2, $3, $4, 0, 0, $5, $6)";
-    let query = sql::query(insert).bind(map).bind(number as i64).bind(ErasureState::Removing.as_str());
-    run(db, query.bind(body).bind(at.sec).bind(at.nanosec)).await?;
+    run(db, sql::statement(insert, (map, number, state, body, at.sec, at.nanosec))).await?;
     let sweep = "delete from erasures where map_key = $1 and state = 'done' and number <= $2";
-    run(db, sql::query(sweep).bind(map).bind(number as i64 - ERASURES_KEPT)).await
+    run(db, sql::statement(sweep, (map, number as i64 - ERASURES_KEPT))).await
 }
 
 /// Counts the keyframes that are to be removed from the map, and the releases that some are to be removed from.
-pub(in crate::store) async fn count(
-    db: &mut Connection,
-    (map, number): (MapKey, u64),
-    (keyframes, releases): (u64, u64),
-) -> Result<(), StoreError> {
+pub(in crate::store) fn count((map, number): (MapKey, u64), (keyframes, releases): (u64, usize)) -> Query {
     let update = "update erasures set keyframes = $3, releases = $4 where map_key = $1 and number = $2";
-    let query = sql::query(update).bind(map).bind(number as i64);
-    run(db, query.bind(keyframes as i64).bind(releases as i64)).await
+    sql::statement(update, (map, number, keyframes, releases))
 }
 
 /// All is removed: from here on nothing names it.
-pub(in crate::store) async fn removed(
-    db: &mut Connection,
-    (map, number): (MapKey, u64),
-) -> Result<(), StoreError> {
+pub(in crate::store) fn removed((map, number): (MapKey, u64)) -> Query {
     let update = "update erasures set state = $3, asked = null where map_key = $1 and number = $2";
-    run(db, sql::query(update).bind(map).bind(number as i64).bind(ErasureState::Rewriting.as_str())).await
+    sql::statement(update, (map, number, ErasureState::Rewriting))
 }
 
 /// The file was rewritten.
-pub(in crate::store) async fn done(
-    db: &mut Connection,
-    (map, number): (MapKey, u64),
-    at: Stamp,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn done((map, number): (MapKey, u64), at: Stamp) -> Query {
     let update = "update erasures set state = $3, ended_sec = $4, ended_nanosec = $5
         where map_key = $1 and number = $2";
-    let query = sql::query(update).bind(map).bind(number as i64).bind(ErasureState::Done.as_str());
-    run(db, query.bind(at.sec).bind(at.nanosec)).await
+    sql::statement(update, (map, number, ErasureState::Done, at.sec, at.nanosec))
 }
 
 impl Store {
     /// Returns an erasure of a map.
     pub async fn erasure(&self, map: MapKey, number: u64) -> Result<Option<Erasure>, StoreError> {
         let select = "select * from erasures where map_key = $1 and number = $2";
-        let number = i64::try_from(number).unwrap_or(i64::MAX);
         let row = sql::query(select).bind(map).bind(number).fetch_optional(&self.readers).await?;
         row.as_ref().map(erasure).transpose()
     }
@@ -89,8 +73,7 @@ impl Store {
     /// Returns the number of the next erasure of a map.
     pub async fn next_erasure(&self, map: MapKey) -> Result<u64, StoreError> {
         let select = "select coalesce(max(number), 0) + 1 from erasures where map_key = $1";
-        let number: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
-        Ok(number.unsigned_abs())
+        Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
 
     /// Returns the erasures that are not done, by map and number.
@@ -98,12 +81,11 @@ impl Store {
         let select = "select m.id, e.map_key, e.number, e.asked, e.keyframes + e.releases
             from erasures e join maps m using (map_key)
             where e.state <> 'done' and m.deleted = 0 order by e.map_key, e.number";
-        let rows: Vec<(String, MapKey, i64, Option<String>, i64)> =
+        let rows: Vec<(_, _, _, Option<String>, i64)> =
             sql::query_as(select).fetch_all(&self.readers).await?;
-        let open = |(map, key, number, asked, counted): (String, MapKey, i64, Option<String>, i64)| {
+        let open = |(map, key, number, asked, counted): (_, _, _, Option<String>, _)| {
             let asked = asked.as_deref().map(json::value).transpose()?;
-            let (number, is_counted) = (number.unsigned_abs(), counted > 0);
-            Ok(OpenErasure { map: decode::id(&map)?, key, number, asked, is_counted })
+            Ok(OpenErasure { map, key, number, asked, is_counted: counted > 0 })
         };
         rows.into_iter().map(open).collect()
     }
@@ -121,16 +103,9 @@ impl Store {
             join sessions s on s.map_key = m.map_key and s.session = m.session
             join sessions i on i.map_key = m.map_key and i.session = m.into_session
             where m.map_key = $1 or r.map_key = $1 order by m.map_key, m.version";
-        let rows: Vec<(Option<String>, String, String)> =
-            sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
-        let merge = |(release, session, into): (Option<String>, String, String)| {
-            Ok(MergedInVersion {
-                release: release.as_deref().map(decode::id).transpose()?,
-                session: decode::id(&session)?,
-                into: decode::id(&into)?,
-            })
-        };
-        rows.into_iter().map(merge).collect()
+        let rows: Vec<(_, _, _)> = sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
+        let merge = |(release, session, into)| MergedInVersion { release, session, into };
+        Ok(rows.into_iter().map(merge).collect())
     }
 
     /// Returns the sessions in whose frames the map or a release of it has prior anchors.
@@ -142,12 +117,7 @@ impl Store {
             left join releases r on r.release_key = p.map_key
             join sessions s on s.map_key = p.map_key and s.session = p.frame
             where p.map_key = $1 or r.map_key = $1";
-        let rows: Vec<(Option<String>, String)> =
-            sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
-        let frame = |(release, session): (Option<String>, String)| {
-            Ok((release.as_deref().map(decode::id).transpose()?, decode::id(&session)?))
-        };
-        rows.into_iter().map(frame).collect()
+        Ok(sql::query_as(select).bind(map).fetch_all(&self.readers).await?)
     }
 
     /// Whether changes of the map wait to be brought into their rows.
@@ -158,16 +128,12 @@ impl Store {
 }
 
 fn erasure(row: &Row) -> Result<Erasure, StoreError> {
-    let number = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)?.unsigned_abs());
-    let state: &str = row.try_get("state")?;
-    let state = ErasureState::from_name(state)
-        .ok_or_else(|| StoreError::corrupt(format!("an erasure that is {state}")))?;
     let ended: Option<i64> = row.try_get("ended_sec")?;
     Ok(Erasure {
-        number: number("number")?,
-        state,
-        keyframes: number("keyframes")?,
-        releases: number("releases")?,
+        number: row.try_get("number")?,
+        state: row.try_get("state")?,
+        keyframes: row.try_get("keyframes")?,
+        releases: row.try_get("releases")?,
         begun: Stamp { sec: row.try_get("begun_sec")?, nanosec: row.try_get("begun_nanosec")? },
         ended: ended
             .map(|sec| Ok::<_, StoreError>(Stamp { sec, nanosec: row.try_get("ended_nanosec")? }))

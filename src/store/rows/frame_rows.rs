@@ -14,11 +14,10 @@ pub(in crate::store) async fn keep(
     version: u64,
     frames: &FleetFrames,
 ) -> Result<(), StoreError> {
-    let body = json::text(frames)?;
     // A map that was deleted meanwhile has none.
     let insert = "insert into fleet_frames (map_key, version, body) select map_key, $2, $3 from maps where map_key = $1
         on conflict (map_key) do update set version = excluded.version, body = excluded.body";
-    run(db, sql::query(insert).bind(map).bind(version as i64).bind(body)).await
+    run(db, sql::statement(insert, (map, version, json::text(frames)?))).await
 }
 
 /// Returns the frames of a map and the version that they were computed at, if any were.
@@ -27,7 +26,6 @@ pub(in crate::store) async fn kept(
     map: MapKey,
 ) -> Result<Option<(u64, FleetFrames)>, StoreError> {
     let select = "select version, body from fleet_frames where map_key = $1";
-    let found: Option<(i64, String)> = sql::query_as(select).bind(map).fetch_optional(db).await?;
-    let Some((version, body)) = found else { return Ok(None) };
-    Ok(Some((version as u64, json::value(&body)?)))
+    let found: Option<(u64, String)> = sql::query_as(select).bind(map).fetch_optional(db).await?;
+    found.map(|(version, body)| Ok((version, json::value(&body)?))).transpose()
 }

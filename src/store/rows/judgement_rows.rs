@@ -1,11 +1,8 @@
 //! Jobs that ask verdicts again: their rows, and the questions that are left.
 
-use super::decode;
 use super::statement::run;
-use crate::domain::ids::{JudgementId, KeyframeSeq, MapId};
-use crate::domain::judgement::{
-    Asks, Estimate, JobState, Judgement, JudgementProgress, PastQuestion, Tally, TextFunction, Workload,
-};
+use crate::domain::ids::{JudgementId, MapId};
+use crate::domain::judgement::{Asks, Estimate, Judgement, JudgementProgress, PastQuestion, Tally, Workload};
 use crate::store::commit::job::MapKey;
 use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
@@ -47,18 +44,14 @@ impl Store {
             let select =
                 format!("select d.class, count(*) {OUTDATED_READINGS} group by d.class order by d.class");
             let query = sql::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
-            let rows: Vec<(String, i64)> = query.fetch_all(&self.readers).await?;
-            workload.crops = rows.into_iter().map(|(class, count)| (class, count as u64)).collect();
+            workload.crops = query.fetch_all(&self.readers).await?;
         }
         if let Some(fingerprint) = &of.texts {
             let select =
                 "select operation, count(*), coalesce(cast(sum(length(a) + length(b)) as bigint), 0) from model_verdicts
                 where map_key = $1 and fingerprint <> $2 group by operation order by operation";
             let query = sql::query_as(select).bind(map).bind(fingerprint);
-            let rows: Vec<(String, i64, i64)> = query.fetch_all(&self.readers).await?;
-            for (operation, count, chars) in rows {
-                workload.texts.push((function(&operation)?, count as u64, chars as u64));
-            }
+            workload.texts = query.fetch_all(&self.readers).await?;
         }
         Ok(workload)
     }
@@ -84,12 +77,10 @@ impl Store {
                 order by r.keyframe, r.detection limit $5"
             );
             let query = sql::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
-            let query = query.bind(keyframe).bind(detection).bind(limit as i64);
-            let rows: Vec<(u32, u16)> = query.fetch_all(&self.readers).await?;
-            left.extend(rows.into_iter().map(|(keyframe, detection)| PastQuestion::Crop {
-                keyframe: KeyframeSeq(keyframe),
-                detection,
-            }));
+            let query = query.bind(keyframe).bind(detection).bind(limit);
+            let rows: Vec<(_, _)> = query.fetch_all(&self.readers).await?;
+            let crop = |(keyframe, detection)| PastQuestion::Crop { keyframe, detection };
+            left.extend(rows.into_iter().map(crop));
         }
         if let Some(fingerprint) = &of.texts
             && left.len() < limit
@@ -104,12 +95,10 @@ impl Store {
                 where map_key = $1 and fingerprint <> $2 and (operation, class, a, b) > ($3, $4, $5, $6)
                 order by operation, class, a, b limit $7";
             let query = sql::query_as(select).bind(map).bind(fingerprint);
-            let query = query.bind(operation).bind(class).bind(a).bind(b).bind((limit - left.len()) as i64);
-            let rows: Vec<(String, String, String, String)> = query.fetch_all(&self.readers).await?;
-            for (operation, class, a, b) in rows {
-                let function = function(&operation)?;
-                left.push(PastQuestion::Texts { function, class: class.into(), a: a.into(), b: b.into() });
-            }
+            let query = query.bind(operation).bind(class).bind(a).bind(b).bind(limit - left.len());
+            let rows: Vec<(_, _, _, _)> = query.fetch_all(&self.readers).await?;
+            let texts = |(function, class, a, b)| PastQuestion::Texts { function, class, a, b };
+            left.extend(rows.into_iter().map(texts));
         }
         Ok(left)
     }
@@ -117,26 +106,23 @@ impl Store {
     /// Returns a job.
     pub async fn judgement(&self, map: MapKey, id: &JudgementId) -> Result<Option<Judgement>, StoreError> {
         let select = "select * from judgements where map_key = $1 and id = $2";
-        let row = sql::query(select).bind(map).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
         row.as_ref().map(read).transpose()
     }
 
     /// Returns the number that the next job of a map gets, and the job that is running, if there is one.
     pub async fn next_judgement(&self, map: MapKey) -> Result<(u64, Option<JudgementId>), StoreError> {
         let select = "select coalesce(max(number), 0) + 1 from judgements where map_key = $1";
-        let number: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        let number = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
         let select = "select id from judgements where map_key = $1 and state = 'running'";
-        let running: Option<String> =
-            sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
-        Ok((number as u64, running.map(|id| decode::id(&id)).transpose()?))
+        Ok((number, sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?))
     }
 
     /// Returns every job that is running.
     pub async fn running_judgements(&self) -> Result<Vec<(MapId, MapKey, JudgementId)>, StoreError> {
         let select = "select m.id, j.map_key, j.id from judgements j join maps m using (map_key)
             where j.state = 'running' and m.deleted = 0 order by j.map_key";
-        let rows: Vec<(String, MapKey, String)> = sql::query_as(select).fetch_all(&self.readers).await?;
-        rows.iter().map(|(map, key, id)| Ok((decode::id(map)?, *key, decode::id(id)?))).collect()
+        Ok(sql::query_as(select).fetch_all(&self.readers).await?)
     }
 }
 
@@ -152,12 +138,13 @@ pub(in crate::store) async fn start(
         select $1, $2, (select coalesce(max(number), 0) + 1 from judgements where map_key = $1),
             $3, $4, $5, $6, $7, $8, 0, 0, 0, 0
         where exists (select 1 from maps where map_key = $1 and deleted = 0)";
-    let query = sql::query(insert).bind(map).bind(job.id.as_str()).bind(job.asks.as_str());
-    let query = query.bind(job.state.as_str()).bind(job.since_version as i64).bind(job.questions as i64);
-    run(db, query.bind(job.estimate.calls as i64).bind(job.estimate.microusd as i64)).await?;
+    let Judgement { id, asks, state, since_version, questions, estimate, .. } = job;
+    let Estimate { calls, microusd } = *estimate;
+    let values = (map, id, *asks, *state, *since_version, *questions, calls, microusd);
+    run(db, sql::statement(insert, values)).await?;
     let sweep = "delete from judgements where map_key = $1 and state <> 'running'
         and number <= (select max(number) from judgements where map_key = $1) - $2";
-    run(db, sql::query(sweep).bind(map).bind(JOBS_KEPT)).await
+    run(db, sql::statement(sweep, (map, JOBS_KEPT))).await
 }
 
 /// Stops a job, unless it has ended.
@@ -168,7 +155,7 @@ pub(in crate::store) async fn stop(
 ) -> Result<(), StoreError> {
     let update =
         "update judgements set state = 'stopped' where map_key = $1 and id = $2 and state = 'running'";
-    run(db, sql::query(update).bind(map).bind(id.as_str())).await
+    run(db, sql::statement(update, (map, id))).await
 }
 
 /// Writes how far a job is, in the transaction that writes the answers.
@@ -181,13 +168,12 @@ pub(in crate::store) async fn advance(
     let update = "update judgements set changed = changed + $3, unchanged = unchanged + $4, gone = gone + $5,
             failed = failed + $6, state = case when $7 <> 0 and state = 'running' then 'done' else state end
         where map_key = $1 and id = $2";
-    let query = sql::query(update).bind(map).bind(progress.id.as_str());
-    let query = query.bind(changed as i64).bind(unchanged as i64).bind(gone as i64).bind(failed as i64);
-    run(&mut *db, query.bind(progress.is_over)).await?;
+    let values = (map, &progress.id, changed, unchanged, gone, failed, progress.is_over);
+    run(&mut *db, sql::statement(update, values)).await?;
     let Some(position) = &progress.position else { return Ok(()) };
     // Texts that were erased meanwhile are no position: it stays at the question before, and this one is not there to be asked.
     let (operation, crop, texts) = match position {
-        PastQuestion::Crop { keyframe, detection } => (CROP, Some((keyframe.0, *detection)), None),
+        PastQuestion::Crop { keyframe, detection } => (CROP, Some((*keyframe, *detection)), None),
         PastQuestion::Texts { function, class, a, b } => (function.as_str(), None, Some((class, a, b))),
     };
     let update =
@@ -195,10 +181,9 @@ pub(in crate::store) async fn advance(
             at_a = $7, at_b = $8
         where map_key = $1 and id = $2 and ($3 = 'crop' or exists (select 1 from model_verdicts
             where map_key = $1 and operation = $3 and class = $6 and a = $7 and b = $8))";
-    let query = sql::query(update).bind(map).bind(progress.id.as_str()).bind(operation);
-    let query = query.bind(crop.map(|(keyframe, _)| keyframe)).bind(crop.map(|(_, detection)| detection));
-    let query = query.bind(texts.map(|(class, ..)| &**class)).bind(texts.map(|(_, a, _)| &**a));
-    run(db, query.bind(texts.map(|(.., b)| &**b))).await
+    let (keyframe, detection) = crop.unzip();
+    let (class, a, b) = (texts.map(|(class, ..)| class), texts.map(|(_, a, _)| a), texts.map(|(.., b)| b));
+    run(db, sql::statement(update, (map, &progress.id, operation, keyframe, detection, class, a, b))).await
 }
 
 /// Has the running jobs of a map stand at a question that the map knows: the last one before theirs.
@@ -223,51 +208,43 @@ pub(in crate::store) async fn step_back(db: &mut Connection, map: MapKey) -> Res
         let update = "update judgements set at_operation = $3, at_class = $4, at_a = $5, at_b = $6,
                 at_keyframe = $7, at_detection = $8
             where map_key = $1 and id = $2";
-        let query = sql::query(update).bind(map).bind(row.try_get::<&str, _>("id")?).bind(operation);
-        let query = query.bind(class).bind(a).bind(b).bind(past_crops).bind(past_crops.map(|_| u16::MAX));
-        run(&mut *db, query).await?;
+        let id: &str = row.try_get("id")?;
+        let values = (map, id, operation, class, a, b, past_crops, past_crops.map(|_| u16::MAX));
+        run(&mut *db, sql::statement(update, values)).await?;
     }
     Ok(())
 }
 
 fn read(row: &Row) -> Result<Judgement, StoreError> {
-    let count = |column: &str| -> Result<u64, StoreError> { Ok(row.try_get::<i64, _>(column)? as u64) };
-    let (asks, state): (&str, &str) = (row.try_get("asks")?, row.try_get("state")?);
     Ok(Judgement {
-        id: decode::id(row.try_get("id")?)?,
-        asks: Asks::from_name(asks).ok_or_else(|| StoreError::corrupt(format!("a judgement of {asks}")))?,
-        state: JobState::from_name(state)
-            .ok_or_else(|| StoreError::corrupt(format!("a judgement in the state {state}")))?,
-        since_version: count("since_version")?,
-        questions: count("questions")?,
-        estimate: Estimate { calls: count("calls_max")?, microusd: count("cost_max_microusd")? },
+        id: row.try_get("id")?,
+        asks: row.try_get("asks")?,
+        state: row.try_get("state")?,
+        since_version: row.try_get("since_version")?,
+        questions: row.try_get("questions")?,
+        estimate: Estimate { calls: row.try_get("calls_max")?, microusd: row.try_get("cost_max_microusd")? },
         tally: Tally {
-            changed: count("changed")?,
-            unchanged: count("unchanged")?,
-            gone: count("gone")?,
-            failed: count("failed")?,
+            changed: row.try_get("changed")?,
+            unchanged: row.try_get("unchanged")?,
+            gone: row.try_get("gone")?,
+            failed: row.try_get("failed")?,
         },
         position: position(row)?,
     })
 }
 
 fn position(row: &Row) -> Result<Option<PastQuestion>, StoreError> {
-    let text = |column: &str| -> Result<Box<str>, StoreError> { Ok(row.try_get::<&str, _>(column)?.into()) };
     Ok(match row.try_get::<Option<&str>, _>("at_operation")? {
         None => None,
         Some(CROP) => Some(PastQuestion::Crop {
-            keyframe: KeyframeSeq(row.try_get("at_keyframe")?),
+            keyframe: row.try_get("at_keyframe")?,
             detection: row.try_get("at_detection")?,
         }),
-        Some(operation) => Some(PastQuestion::Texts {
-            function: function(operation)?,
-            class: text("at_class")?,
-            a: text("at_a")?,
-            b: text("at_b")?,
+        Some(_) => Some(PastQuestion::Texts {
+            function: row.try_get("at_operation")?,
+            class: row.try_get("at_class")?,
+            a: row.try_get("at_a")?,
+            b: row.try_get("at_b")?,
         }),
     })
-}
-
-fn function(operation: &str) -> Result<TextFunction, StoreError> {
-    TextFunction::from_name(operation).ok_or_else(|| StoreError::corrupt(format!("verdict {operation}")))
 }

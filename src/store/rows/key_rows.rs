@@ -35,34 +35,29 @@ impl Store {
             sql::query_scalar("select last from counters where name = 'key'").fetch_one(&mut *db).await?;
         let mut by_hash = HashMap::new();
         for row in sql::query("select * from keys").fetch_all(&mut *db).await? {
-            let seq: i64 = row.try_get("key")?;
-            let hash: &[u8] = row.try_get("hash")?;
-            let hash = hash.try_into().map_err(|_| StoreError::corrupt("a hash of another length"))?;
-            by_hash.insert(hash, key(&row, seq)?);
+            by_hash.insert(row.try_get("hash")?, key(&row)?);
         }
         db.commit().await?;
         Ok(KeyTable { change, by_hash })
     }
 }
 
-fn key(row: &Row, seq: i64) -> Result<Key, StoreError> {
-    let bits: u8 = row.try_get("actions")?;
+fn key(row: &Row) -> Result<Key, StoreError> {
+    let (seq, bits): (KeySeq, u8) = (row.try_get("key")?, row.try_get("actions")?);
     let expires: (Option<i64>, Option<u32>) = (row.try_get("expires_sec")?, row.try_get("expires_nanosec")?);
     Ok(Key {
-        seq: KeySeq(seq),
+        seq,
         properties: KeyProperties {
             name: row.try_get("name")?,
             actions: Actions::from_bits(bits)
-                .ok_or_else(|| StoreError::corrupt(format!("actions {bits} of key {seq}")))?,
+                .ok_or_else(|| StoreError::corrupt(format!("actions {bits} of key {}", seq.0)))?,
             maps: json::value(row.try_get("maps")?)?,
             expires: expires.0.zip(expires.1).map(|(sec, nanosec)| Stamp { sec, nanosec }),
             rate_per_s: row.try_get("rate_per_s")?,
             max_maps: row.try_get("max_maps")?,
-            max_bytes: row.try_get::<Option<i64>, _>("max_bytes")?.map(i64::unsigned_abs),
+            max_bytes: row.try_get("max_bytes")?,
             model_daily_calls: row.try_get("model_daily_calls")?,
-            model_daily_microusd: row
-                .try_get::<Option<i64>, _>("model_daily_microusd")?
-                .map(|microusd| microusd as u64),
+            model_daily_microusd: row.try_get("model_daily_microusd")?,
         },
         created_sec: row.try_get("created_sec")?,
         revoked_sec: row.try_get("revoked_sec")?,
@@ -76,7 +71,7 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
             max_maps, max_bytes, model_daily_calls, model_daily_microusd, maps)
         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)";
     let query = sql::query(insert)
-        .bind(key.seq.0)
+        .bind(key.seq)
         .bind(&properties.name)
         .bind(&new.hash[..])
         .bind(properties.actions.bits())
@@ -85,9 +80,9 @@ pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Re
         .bind(properties.expires.map(|expires| expires.nanosec))
         .bind(properties.rate_per_s)
         .bind(properties.max_maps)
-        .bind(properties.max_bytes.map(|bytes| bytes as i64))
+        .bind(properties.max_bytes)
         .bind(properties.model_daily_calls)
-        .bind(properties.model_daily_microusd.map(|microusd| microusd as i64));
+        .bind(properties.model_daily_microusd);
     run(db, query.bind(json::text(&properties.maps)?)).await?;
     changed(db).await
 }
@@ -98,7 +93,7 @@ pub(in crate::store) async fn revoke(
     at_sec: i64,
 ) -> Result<(), StoreError> {
     let update = "update keys set revoked_sec = $2 where key = $1 and revoked_sec is null";
-    run(db, sql::query(update).bind(key.0).bind(at_sec)).await?;
+    run(db, sql::statement(update, (key, at_sec))).await?;
     changed(db).await
 }
 
@@ -110,7 +105,7 @@ async fn changed(db: &mut Connection) -> Result<(), StoreError> {
 pub async fn standing_keys(files: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
     let mut db = sql::Connection::Sqlite(files.read_only().connect().await?);
     let select = "select key, name from keys where revoked_sec is null order by key";
-    let keys: Vec<(i64, String)> = sql::query_as(select).fetch_all(&mut db).await?;
+    let keys = sql::query_as(select).fetch_all(&mut db).await?;
     db.close().await?;
-    Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())
+    Ok(keys)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::blob::{gravity_blob, pack};
+use super::blob::pack;
 use super::bulk_insert::write_rows;
 use super::clock::seconds_now;
 use super::column::integers;
@@ -11,9 +11,8 @@ use super::statement::run;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Declared, Keyframe};
-use crate::domain::ids::KeyframeSeq;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::keyframe::{Camera, Detection};
-use crate::geometry::Pose;
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey, NewKeyframeRows};
 use crate::store::sql::{self, Connection};
@@ -25,10 +24,6 @@ pub(in crate::store) struct Arrived<'j> {
     pub keyframe: &'j Keyframe,
     pub bow: &'j BowVector,
     pub rows: &'j NewKeyframeRows,
-}
-
-pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
-    pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
 }
 
 /// Packs the covisible keyframes that a client declared.
@@ -45,21 +40,20 @@ pub(in crate::store) async fn add_keyframes(
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
             observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, gravity, height_m, global_model, global_encoding, global_descriptor, stored_sec) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
-        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
-        row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
-        row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
+        row.push_bind(*map).push_bind(keyframe.seq).push_bind(&keyframe.id).push_bind(keyframe.session);
+        row.push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
+        row.push_bind(&keyframe.map_from_camera).push_bind(keyframe.camera.map(camera_blob));
         row.push_bind(integers(&keyframe.observes.to_vec()));
         row.push_bind(integers(&rows.keyframe.map_points.iter().map(|(id, _)| *id).collect::<Vec<_>>()));
         row.push_bind(declared_blob(&keyframe.declared));
         for list in [bow.words(), bow.weights()] {
             row.push_bind(integers(&list.iter().map(|number| i64::from(*number)).collect::<Vec<_>>()));
         }
-        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
-        row.push_bind(keyframe.gravity.map(gravity_blob)).push_bind(keyframe.height_m);
+        row.push_bind(&rows.digest).push_bind(keyframe.bytes).push_bind(*version);
+        row.push_bind(keyframe.gravity).push_bind(keyframe.height_m);
         let global = rows.keyframe.global_descriptor.as_ref();
-        row.push_bind(global.map(|of| of.model.as_str().to_owned()));
-        row.push_bind(global.map(|of| of.encoding.as_str()));
-        row.push_bind(global.map(|of| of.data.to_vec()));
+        row.push_bind(global.map(|of| &of.model)).push_bind(global.map(|of| of.encoding));
+        row.push_bind(global.map(|of| &of.data[..]));
         row.push_bind(seconds_now());
     })
     .await?;
@@ -69,8 +63,8 @@ pub(in crate::store) async fn add_keyframes(
     write_rows(db, head, "", &arrived, |row, arrived| {
         let Arrived { map, keyframe, rows, .. } = arrived;
         let Some(features) = &rows.keyframe.features else { return };
-        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(features.descriptor_bytes as i64);
-        row.push_bind(features.descriptors.clone()).push_bind(keypoints(&features.keypoints));
+        row.push_bind(*map).push_bind(keyframe.seq).push_bind(features.descriptor_bytes);
+        row.push_bind(&features.descriptors).push_bind(keypoints(&features.keypoints));
         row.push_bind(integers(&features.map_points.iter().map(|id| id.unwrap_or(-1)).collect::<Vec<_>>()));
     })
     .await
@@ -90,7 +84,7 @@ pub(in crate::store) struct Detected<'j> {
     number: u16,
     detection: &'j Detection,
     outcome: &'static str,
-    anchor: Option<u32>,
+    anchor: Option<AnchorSeq>,
 }
 
 /// Returns the detections of the keyframe that arrived with a batch.
@@ -110,8 +104,8 @@ pub(in crate::store) fn detections(batch: &Batch) -> Result<Vec<Detected<'_>>, S
         .collect();
     let row = |(number, detection)| {
         let (outcome, anchor) = match outcomes.get(&number) {
-            Some(Outcome::Created(anchor)) => ("created", Some(anchor.0)),
-            Some(Outcome::Observed(anchor)) => ("observed", Some(anchor.0)),
+            Some(Outcome::Created(anchor)) => ("created", Some(*anchor)),
+            Some(Outcome::Observed(anchor)) => ("observed", Some(*anchor)),
             Some(Outcome::Ignored(reason)) => (reason.as_str(), None),
             None => return Err(StoreError::corrupt("a detection without an outcome")),
         };
@@ -129,20 +123,18 @@ pub(in crate::store) async fn add_detections(
             position, range_assumed, text, description, outcome, anchor) ";
     write_rows(db, head, "", detections, |row, detected| {
         let Detected { map, keyframe, number, detection, outcome, anchor } = *detected;
-        row.push_bind(map).push_bind(keyframe.0).push_bind(number);
-        row.push_bind(detection.class.clone()).push_bind(detection.confidence);
-        row.push_bind(pack(detection.box_px)).push_bind(pack(detection.map_points.iter().copied()));
-        row.push_bind(detection.position_in_session.map(|at| pack([at.x, at.y, at.z])));
-        row.push_bind(detection.range_assumed);
-        row.push_bind(detection.text.clone()).push_bind(detection.description.clone());
+        row.push_bind(map).push_bind(keyframe).push_bind(number);
+        row.push_bind(&detection.class).push_bind(detection.confidence);
+        row.push_bind(detection.box_px).push_bind(pack(detection.map_points.iter().copied()));
+        row.push_bind(detection.position_in_session).push_bind(detection.range_assumed);
+        row.push_bind(&detection.text).push_bind(&detection.description);
         row.push_bind(outcome).push_bind(anchor);
     })
     .await?;
     for Detected { map, keyframe, number, detection, .. } in detections {
         if let Some(crop) = &detection.crop {
             let insert = "insert into crops (map_key, keyframe, detection, media_type, bytes) values ($1, $2, $3, $4, $5)";
-            let query = sql::query(insert).bind(map).bind(keyframe.0).bind(*number);
-            run(db, query.bind(crop.media_type).bind(&crop.bytes)).await?;
+            run(db, sql::statement(insert, (map, *keyframe, *number, crop.media_type, &crop.bytes))).await?;
         }
     }
     Ok(())

@@ -15,8 +15,7 @@ use super::{
 };
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Declared, Keyframe, Merge, MergeCause};
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
-use crate::domain::key::KeySeq;
+use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::facts::{MapFacts, Order};
@@ -98,7 +97,7 @@ async fn load_rows(
 
 /// Returns the row of a map.
 pub(in crate::store) async fn map_row(db: &mut Db, id: &MapId) -> Result<Option<Row>, StoreError> {
-    Ok(sql::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?)
+    Ok(sql::query("select * from maps where id = $1").bind(id).fetch_optional(&mut *db).await?)
 }
 
 /// Returns what the row of a map tells.
@@ -108,13 +107,13 @@ pub(in crate::store) async fn facts_of(db: &mut Db, row: &Row) -> Result<MapFact
         sql::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
     Ok(MapFacts {
         key,
-        version: row.try_get::<i64, _>("version")? as u64,
-        next_keyframe: KeyframeSeq(row.try_get("next_keyframe")?),
-        next_anchor: AnchorSeq(row.try_get("next_anchor")?),
-        next_event: row.try_get::<i64, _>("next_event")? as u64,
+        version: row.try_get("version")?,
+        next_keyframe: row.try_get("next_keyframe")?,
+        next_anchor: row.try_get("next_anchor")?,
+        next_event: row.try_get("next_event")?,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
-        owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
-        digest: decode::digest(row)?,
+        owner: row.try_get("owner")?,
+        digest: row.try_get("digest")?,
         figures: map_rows::figures(row)?,
         learned: map_rows::learned(row)?,
     })
@@ -129,13 +128,15 @@ pub(in crate::store) type Db = Connection;
 
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select session, id from sessions where map_key = $1 order by session";
-    let rows: Vec<(u32, String)> = sql::query_as(select).bind(key).fetch_all(db).await?;
-    validate::sessions(&rows.iter().map(|(seq, _)| *seq).collect::<Vec<_>>())?;
-    let added = |(seq, id): (u32, String)| {
-        let id = decode::id(&id).map_err(|error| error.of_row(format!("session number {seq}")))?;
+    let rows = sql::query(select).bind(key).fetch_all(db).await?;
+    let numbers = rows.iter().map(|row| row.try_get("session")).collect::<Result<Vec<u32>, _>>()?;
+    validate::sessions(&numbers)?;
+    let added = |(row, seq): (&Row, u32)| {
+        let id = row.try_get("id").map_err(StoreError::from);
+        let id = id.map_err(|error| error.of_row(format!("session number {seq}")))?;
         Ok(Change::SessionAdded(SessionSeq(seq), id))
     };
-    rows.into_iter().map(added).collect()
+    rows.iter().zip(numbers).map(added).collect()
 }
 
 async fn load_points(
@@ -207,8 +208,7 @@ async fn load_keyframes(
 /// Returns the keyframes of a map.
 async fn standing(db: &mut Db, key: MapKey) -> Result<HashSet<KeyframeSeq>, StoreError> {
     let select = "select keyframe from keyframes where map_key = $1";
-    let standing: Vec<u32> = sql::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
-    Ok(standing.into_iter().map(KeyframeSeq).collect())
+    Ok(sql::query_scalar(select).bind(key).fetch_all(&mut *db).await?.into_iter().collect())
 }
 
 /// Returns the declared covisibility of a keyframe with those that stand.
@@ -244,15 +244,14 @@ async fn anchors(db: &mut Db, key: MapKey, known: &mut Known) -> Result<Vec<Chan
     let mut changes = Vec::new();
     let select =
         "select anchor, class, description_by_hand, version from anchors where map_key = $1 order by anchor";
-    let rows: Vec<(u32, String, Option<String>, i64)> =
+    let rows: Vec<(_, Box<str>, Option<_>, u64)> =
         sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (seq, class, by_hand, version) in rows {
-        let seq = AnchorSeq(seq);
-        known.anchors.insert(seq, KnownAnchor { class: class.as_str().into(), version: version as u64 });
-        changes.push(Change::AnchorAdded(seq, class.into()));
-        changes.push(Change::AnchorTouched(seq, version as u64));
+        known.anchors.insert(seq, KnownAnchor { class: class.clone(), version });
+        changes.push(Change::AnchorAdded(seq, class));
+        changes.push(Change::AnchorTouched(seq, version));
         if by_hand.is_some() {
-            changes.push(Change::DescriptionSet(seq, by_hand.map(Into::into)));
+            changes.push(Change::DescriptionSet(seq, by_hand));
         }
     }
     Ok(changes)
@@ -287,7 +286,7 @@ async fn load_observations(
             if let Some(points) = observation_rows::points_of_detection(row).map_err(of_row)? {
                 observation.map_points = points.into();
             }
-            let anchor = AnchorSeq(row.try_get("anchor")?);
+            let anchor = row.try_get("anchor")?;
             validate::observation(anchor, row.try_get("class")?, &observation, known)?;
             observation.crop_reading = readings.remove(&at);
             observed.push(Change::Observed(anchor, Box::new(observation)));
@@ -304,11 +303,11 @@ async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<
         let closed = decode::closed_loop(&row).map_err(|error| error.of_row("a loop"))?;
         loops.push(Change::LoopAdded(closed));
     }
-    let select = "select into_anchor, from_anchor, loop_id from anchor_merges where map_key = $1";
-    let rows: Vec<(u32, u32, String)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
+    let select = "select into_anchor, from_anchor, nullif(loop_id, '') from anchor_merges where map_key = $1";
+    let rows: Vec<(_, _, Option<_>)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (into, from, by) in rows {
-        let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(decode::id(&by)?) };
-        merges.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));
+        let cause = by.map_or(MergeCause::Covisible, MergeCause::Loop);
+        merges.push(Change::Merged(Merge { into, from, cause }));
     }
     Ok((loops, merges))
 }

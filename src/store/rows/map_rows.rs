@@ -1,8 +1,6 @@
 //! A map's own rows: its properties and settings, to the database and back.
 
-use super::blob::gravity_blob;
 use super::bulk_insert::write_rows;
-use super::decode::{self, digest};
 use super::json;
 use super::statement::run;
 use crate::domain::ids::MapId;
@@ -11,7 +9,7 @@ use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
 use crate::store::commit::job::{Batch, MapKey};
-use crate::store::sql::{self, Connection, Row};
+use crate::store::sql::{self, Connection, Query, Row};
 use crate::store::{Store, StoreError};
 
 /// The maps that a key made, counted.
@@ -36,9 +34,9 @@ pub(in crate::store) async fn create(
     let key: MapKey = sql::query_scalar(give).fetch_one(&mut *db).await?;
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
         select $1, $2, '', 0, 1, 0, 0, last + 1, $3, $4, $5 from counters where name = 'event'";
-    let query = sql::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
-    run(db, query.bind(owner.map(|owner| owner.0)).bind(json::text(&Learned::default())?)).await?;
-    set_properties(db, key, properties).await?;
+    let learned = json::text(&Learned::default())?;
+    run(db, sql::statement(insert, (key, id, digest, owner, learned))).await?;
+    run(db, set_properties(key, properties)?).await?;
     Ok(key)
 }
 
@@ -47,7 +45,7 @@ pub(in crate::store) async fn keep_event_numbers(db: &mut Connection, key: MapKe
     let update = "update counters set last = m.next_event from maps m
         where counters.name = 'event' and m.map_key = $1 and m.next_event > counters.last
             and (exists (select 1 from events where map_key = $1) or exists (select 1 from erasures where map_key = $1))";
-    run(db, sql::query(update).bind(key)).await
+    run(db, sql::statement(update, (key,))).await
 }
 
 /// Writes the number that [`keep_event_numbers`] keeps once more, and so a page of the database.
@@ -67,13 +65,10 @@ pub(in crate::store) async fn advance(
     let rows: Vec<(&Batch, String)> = with_learned.collect::<Result<_, StoreError>>()?;
     write_rows(db, head, ") as given where maps.map_key = column1", &rows, |row, (batch, learned)| {
         let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
-        row.push_bind(batch.map).push_bind(batch.version as i64);
-        row.push_bind(batch.next_keyframe.0)
-            .push_bind(batch.next_anchor.0)
-            .push_bind(batch.next_event as i64);
-        row.push_bind(keyframes as i64).push_bind(anchors as i64).push_bind(sessions as i64);
-        row.push_bind(loops as i64).push_bind(bytes as i64).push_bind(batch.memory_bytes as i64);
-        row.push_bind(learned.clone());
+        row.push_bind(batch.map).push_bind(batch.version);
+        row.push_bind(batch.next_keyframe).push_bind(batch.next_anchor).push_bind(batch.next_event);
+        row.push_bind(keyframes).push_bind(anchors).push_bind(sessions);
+        row.push_bind(loops).push_bind(bytes).push_bind(batch.memory_bytes).push_bind(learned.clone());
     })
     .await
 }
@@ -101,40 +96,36 @@ impl Store {
     pub async fn made_by(&self, key: KeySeq) -> Result<MadeByKey, StoreError> {
         let select = "select count(case when deleted = 0 and id not like '%/%' then 1 end), cast(coalesce(sum(bytes), 0) as bigint)
             from maps where owner = $1 and deleted <> 1";
-        let (maps, bytes): (i64, i64) = sql::query_as(select).bind(key.0).fetch_one(&self.readers).await?;
-        Ok(MadeByKey { maps: maps.unsigned_abs(), bytes: bytes.unsigned_abs() })
+        let (maps, bytes) = sql::query_as(select).bind(key).fetch_one(&self.readers).await?;
+        Ok(MadeByKey { maps, bytes })
     }
 
     /// Returns the key of the map that has this name.
     pub async fn map_key(&self, id: &MapId) -> Result<Option<MapKey>, StoreError> {
         let select = "select map_key from maps where id = $1";
-        Ok(sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(id).fetch_optional(&self.readers).await?)
     }
 
     /// Returns the version of a map that is on disk; `None` if there is no such map.
     pub async fn version(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
         let select = "select version from maps where id = $1";
-        let found: Option<i64> =
-            sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
-        Ok(found.map(i64::unsigned_abs))
+        Ok(sql::query_scalar(select).bind(id).fetch_optional(&self.readers).await?)
     }
 
     /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
     pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
         let select = "select memory_bytes from maps where id = $1";
-        let found: Option<i64> =
-            sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
-        Ok(found.map(i64::unsigned_abs))
+        Ok(sql::query_scalar(select).bind(id).fetch_optional(&self.readers).await?)
     }
 }
 
 fn map_row(row: &Row) -> Result<MapRow, StoreError> {
     let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
     let report = MapReport {
-        id: decode::id(row.try_get::<&str, _>("id")?)?,
+        id: row.try_get("id")?,
         properties: properties(row)?,
         vocabulary: row.try_get("vocabulary")?,
-        version: row.try_get::<i64, _>("version")? as u64,
+        version: row.try_get("version")?,
         keyframes: keyframes as usize,
         anchors: anchors as usize,
         sessions: sessions as usize,
@@ -142,18 +133,17 @@ fn map_row(row: &Row) -> Result<MapRow, StoreError> {
         bytes,
         learned: learned(row)?,
     };
-    Ok(MapRow { report, digest: digest(row)? })
+    Ok(MapRow { report, digest: row.try_get("digest")? })
 }
 
 /// Returns the figures that a map's row shows.
 pub(in crate::store) fn figures(row: &Row) -> Result<MapFigures, StoreError> {
-    let figure = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)? as u64);
     Ok(MapFigures {
-        keyframes: figure("keyframes")?,
-        anchors: figure("anchors")?,
-        sessions: figure("sessions")?,
-        loops: figure("loops")?,
-        bytes: figure("bytes")?,
+        keyframes: row.try_get("keyframes")?,
+        anchors: row.try_get("anchors")?,
+        sessions: row.try_get("sessions")?,
+        loops: row.try_get("loops")?,
+        bytes: row.try_get("bytes")?,
     })
 }
 
@@ -163,28 +153,24 @@ pub(in crate::store) fn learned(row: &Row) -> Result<Learned, StoreError> {
 }
 
 /// Gives a map these properties, in place of those it had.
-pub(in crate::store) async fn set_properties(
-    db: &mut Connection,
-    map: MapKey,
-    MapProperties { description, metric, gravity, anchor_classes, code_classes, settings }: &MapProperties,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn set_properties(map: MapKey, properties: &MapProperties) -> Result<Query, StoreError> {
+    let MapProperties { description, metric, gravity, anchor_classes, code_classes, settings } = properties;
     let update =
         "update maps set description = $2, metric = $3, gravity = $4, anchor_classes = $5, code_classes = $6,
         settings = $7 where map_key = $1";
-    let query = sql::query(update).bind(map).bind(description).bind(*metric).bind(gravity.map(gravity_blob));
-    let query = query.bind(json::text(anchor_classes)?).bind(json::text(code_classes)?);
-    run(db, query.bind(json::text(settings)?)).await
+    let [anchors, codes] = [json::text(anchor_classes)?, json::text(code_classes)?];
+    let values = (map, description, *metric, *gravity, anchors, codes, json::text(settings)?);
+    Ok(sql::statement(update, values))
 }
 
 /// Returns a map's properties.
 pub(in crate::store) fn properties(row: &Row) -> Result<MapProperties, StoreError> {
-    let settings: &str = row.try_get("settings")?;
     Ok(MapProperties {
         description: row.try_get("description")?,
         metric: row.try_get("metric")?,
-        gravity: decode::gravity(row)?,
+        gravity: row.try_get("gravity")?,
         anchor_classes: json::value(row.try_get("anchor_classes")?)?,
         code_classes: json::value(row.try_get("code_classes")?)?,
-        settings: json::value(settings)?,
+        settings: json::value(row.try_get("settings")?)?,
     })
 }

@@ -32,5 +32,6 @@ pub(super) mod twin_rows;
 pub(super) mod unpacks;
 pub(super) mod unsaid;
 pub(super) mod validate;
+mod values;
 pub(super) mod verdict_rows;
 pub(super) mod words_of_map;

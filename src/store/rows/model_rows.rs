@@ -8,9 +8,10 @@ use super::statement::run;
 use crate::domain::change::Change;
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::domain::judgement::TextFunction;
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::store::commit::job::{MapKey, Spent};
-use crate::store::sql::{self, Connection, Row};
+use crate::store::sql::{self, Connection, Query, Row};
 use crate::store::{Store, StoreError};
 
 /// Answers are kept up to this number, oldest out first.
@@ -47,20 +48,18 @@ impl Store {
         let select = "select operation, model, cast(sum(calls) as bigint) as calls, cast(sum(input_tokens) as bigint) as input_tokens,
             cast(sum(output_tokens) as bigint) as output_tokens, cast(sum(cost_microusd) as bigint) as cost_microusd, cast(sum(cache_hits) as bigint) as cache_hits
             from model_usage where day >= $1 group by operation, model order by operation, model";
-        let rows = sql::query(select).bind(day).fetch_all(&self.readers).await?;
-        rows.iter()
-            .map(|row| {
-                Ok(UsageRow {
-                    operation: row.try_get("operation")?,
-                    model: row.try_get("model")?,
-                    calls: row.try_get("calls")?,
-                    input_tokens: row.try_get("input_tokens")?,
-                    output_tokens: row.try_get("output_tokens")?,
-                    cost_microusd: row.try_get("cost_microusd")?,
-                    cache_hits: row.try_get("cache_hits")?,
-                })
+        let usage = |row: &Row| {
+            Ok(UsageRow {
+                operation: row.try_get("operation")?,
+                model: row.try_get("model")?,
+                calls: row.try_get("calls")?,
+                input_tokens: row.try_get("input_tokens")?,
+                output_tokens: row.try_get("output_tokens")?,
+                cost_microusd: row.try_get("cost_microusd")?,
+                cache_hits: row.try_get("cache_hits")?,
             })
-            .collect()
+        };
+        sql::query(select).bind(day).fetch_all(&self.readers).await?.iter().map(usage).collect()
     }
 
     /// Returns what was spent on one day for each key: calls, and millionths of a US dollar.
@@ -73,8 +72,7 @@ impl Store {
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
         let select = "select id from maps where deleted = 0 and id not like '%/%'
             and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
-        let ids: Vec<String> = sql::query_scalar(select).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| super::decode::id(id)).collect()
+        Ok(sql::query_scalar(select).fetch_all(&self.readers).await?)
     }
 
     /// Returns the dialogue that led to the reading of a detection's crop.
@@ -96,7 +94,7 @@ pub(super) async fn dialogue(
 ) -> Result<Vec<TranscriptStep>, StoreError> {
     let select = "select dialogue from model_readings
         where map_key = $1 and keyframe = $2 and detection = $3 and dialogue is not null";
-    let query = sql::query_scalar(select).bind(map).bind(keyframe.0).bind(detection);
+    let query = sql::query_scalar(select).bind(map).bind(keyframe).bind(detection);
     let found: Option<String> = query.fetch_optional(db).await?;
     found.map_or(Ok(Vec::new()), |dialogue| json::value(&dialogue))
 }
@@ -109,10 +107,10 @@ pub(super) async fn reading_of(
 ) -> Result<Option<(CropReading, Arc<str>)>, StoreError> {
     let select = "select text, source, described, degraded, fingerprint from model_readings
         where map_key = $1 and keyframe = $2 and detection = $3";
-    let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
-    let found: Option<(String, String, bool, bool, String)> = query.fetch_optional(db).await?;
+    let query = sql::query_as(select).bind(map).bind(keyframe).bind(detection);
+    let found: Option<(_, _, _, _, _)> = query.fetch_optional(db).await?;
     Ok(found.map(|(text, source, described, degraded, fingerprint)| {
-        (CropReading { text: text.into(), source: source.into(), described, degraded }, fingerprint.into())
+        (CropReading { text, source, described, degraded }, fingerprint)
     }))
 }
 
@@ -128,12 +126,12 @@ pub(super) async fn verdict_about(
     query.fetch_optional(db).await?.as_ref().map(verdict).transpose()
 }
 
-pub(in crate::store) async fn add_reading(
-    db: &mut Connection,
+/// Adds the reading of a crop, in the place of the one before.
+pub(in crate::store) fn add_reading(
     (map, version): (MapKey, u64),
     read: &CropRead,
-) -> Result<(), StoreError> {
-    let reading = &read.reading;
+) -> Result<Query, StoreError> {
+    let CropReading { text, source, described, degraded } = &read.reading;
     let dialogue = if read.transcript.is_empty() { None } else { Some(json::text(&read.transcript)?) };
     // What is read anew stays in the place of its first reading.
     let insert = "insert into model_readings
@@ -142,18 +140,16 @@ pub(in crate::store) async fn add_reading(
         on conflict (map_key, keyframe, detection) do update
         set text = excluded.text, source = excluded.source, described = excluded.described,
             degraded = excluded.degraded, fingerprint = excluded.fingerprint, dialogue = excluded.dialogue";
-    let query = sql::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
-    let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
-    let query = query.bind(reading.degraded).bind(&*read.fingerprint).bind(dialogue);
-    run(db, query.bind(version as i64)).await
+    let at = (map, read.keyframe, read.detection);
+    let values =
+        (at.0, at.1, at.2, text, source, *described, *degraded, &read.fingerprint, dialogue, version);
+    Ok(sql::statement(insert, values))
 }
 
-pub(in crate::store) async fn add_verdict(
-    db: &mut Connection,
-    (map, version): (MapKey, u64),
-    verdict: &ModelVerdict,
-) -> Result<(), StoreError> {
-    let (level, text) = match &verdict.finding {
+/// Adds a verdict about texts, in the place of the one before.
+pub(in crate::store) fn add_verdict((map, version): (MapKey, u64), verdict: &ModelVerdict) -> Query {
+    let ModelVerdict { class, a, b, finding, source, reason, fingerprint } = verdict;
+    let (level, text) = match finding {
         Finding::Similarity(level) | Finding::Information(level) => (Some(*level), None),
         Finding::Merge(text) => (None, Some(&**text)),
     };
@@ -163,23 +159,12 @@ pub(in crate::store) async fn add_verdict(
         on conflict (map_key, operation, class, a, b) do update
         set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
             fingerprint = excluded.fingerprint";
-    let query = sql::query(insert).bind(map).bind(verdict.finding.operation()).bind(&*verdict.class);
-    let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
-    let query = query.bind(&*verdict.source).bind(&*verdict.reason);
-    run(db, query.bind(&*verdict.fingerprint).bind(version as i64)).await
+    let operation = finding.operation();
+    sql::statement(insert, (map, operation, class, a, b, level, text, source, reason, fingerprint, version))
 }
 
-pub(in crate::store) async fn set_away(
-    db: &mut Connection,
-    map: MapKey,
-    away: bool,
-) -> Result<(), StoreError> {
-    let update = "update maps set models_away = $2 where map_key = $1";
-    run(db, sql::query(update).bind(map).bind(away)).await
-}
-
+/// Has no map wait for a model. Releases stay as they are.
 pub(in crate::store) async fn forget_away(db: &mut Connection) -> Result<(), StoreError> {
-    // Releases stay as they are.
     let update = "update maps set version = version + 1, models_away = 0
         where models_away <> 0 and id not like '%/%'";
     run(db, sql::query(update)).await
@@ -212,13 +197,14 @@ pub(in crate::store) async fn keep_answer(
         "insert into model_answers (key, operation, model, answer) select $1, $2, $3, $4 where {ERASURES} = $5
         on conflict (key) do update set answer = excluded.answer"
     );
-    let query = sql::query(sqlx::AssertSqlSafe(insert)).bind(&key[..]).bind(operation).bind(model);
-    run(db, query.bind(answer).bind(erasures)).await?;
+    run(db, sql::statement(sqlx::AssertSqlSafe(insert), (key, operation, model, answer, erasures))).await?;
     let sweep = "delete from model_answers where kept <= (select max(kept) from model_answers) - $1";
-    run(db, sql::query(sweep).bind(ANSWERS_KEPT)).await
+    run(db, sql::statement(sweep, (ANSWERS_KEPT,))).await
 }
 
 pub(in crate::store) async fn spend(db: &mut Connection, spent: &Spent) -> Result<(), StoreError> {
+    let Spent { day, operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits, key } =
+        spent;
     let insert = "insert into model_usage
             (day, operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits)
         values ($1, $2, $3, $4, $5, $6, $7, $8)
@@ -226,14 +212,13 @@ pub(in crate::store) async fn spend(db: &mut Connection, spent: &Spent) -> Resul
             calls = model_usage.calls + excluded.calls, input_tokens = model_usage.input_tokens + excluded.input_tokens,
             output_tokens = model_usage.output_tokens + excluded.output_tokens,
             cost_microusd = model_usage.cost_microusd + excluded.cost_microusd, cache_hits = model_usage.cache_hits + excluded.cache_hits";
-    let query = sql::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
-    let query = query.bind(spent.calls).bind(spent.input_tokens).bind(spent.output_tokens);
-    run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await?;
-    let Some(key) = spent.key else { return Ok(()) };
+    let values = (day, *operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits);
+    run(db, sql::statement(insert, values)).await?;
+    let Some(key) = *key else { return Ok(()) };
     let insert = "insert into key_usage (day, key, calls, cost_microusd) values ($1, $2, $3, $4)
         on conflict (day, key) do update set
             calls = key_usage.calls + excluded.calls, cost_microusd = key_usage.cost_microusd + excluded.cost_microusd";
-    run(db, sql::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
+    run(db, sql::statement(insert, (day, key, calls, cost_microusd))).await
 }
 
 /// Returns what models said of a map, by the version that first brought it.
@@ -245,17 +230,15 @@ pub(in crate::store) async fn by_version(
     let select = "select r.version, k.id, r.detection, r.text, r.source, r.described, r.degraded
         from model_readings r join keyframes k on k.map_key = r.map_key and k.keyframe = r.keyframe
         where r.map_key = $1 order by r.keyframe, r.detection";
-    let rows: Vec<(i64, String, u16, String, String, bool, bool)> =
-        sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
+    let rows: Vec<(_, _, _, _, _, _, _)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
     for (version, keyframe, number, text, source, described, degraded) in rows {
-        let detection = NamedDetection { keyframe: super::decode::id(&keyframe)?, number };
-        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
-        said.push((version as u64, Recorded::CropRead { detection, reading }));
+        let detection = NamedDetection { keyframe, number };
+        let reading = CropReading { text, source, described, degraded };
+        said.push((version, Recorded::CropRead { detection, reading }));
     }
     let select = "select * from model_verdicts where map_key = $1 order by operation, class, a, b";
     for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
-        let version: i64 = row.try_get("version")?;
-        said.push((version as u64, Recorded::Judged(verdict(&row)?)));
+        said.push((row.try_get("version")?, Recorded::Judged(verdict(&row)?)));
     }
     said.sort_by_key(|(version, _)| *version);
     Ok(said)
@@ -277,21 +260,19 @@ pub(in crate::store) async fn verdicts(db: &mut Connection, map: MapKey) -> Resu
 }
 
 fn verdict(row: &Row) -> Result<ModelVerdict, StoreError> {
-    let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
-    let finding = match row.try_get::<&str, _>("operation")? {
-        "similarity" => Finding::Similarity(level()?),
-        "information" => Finding::Information(level()?),
-        "merge" => Finding::Merge(row.try_get::<&str, _>("text")?.into()),
-        other => return Err(StoreError::corrupt(format!("verdict {other}"))),
+    let finding = match row.try_get("operation")? {
+        TextFunction::Similarity => Finding::Similarity(row.try_get("level")?),
+        TextFunction::Information => Finding::Information(row.try_get("level")?),
+        TextFunction::Merge => Finding::Merge(row.try_get("text")?),
     };
     Ok(ModelVerdict {
-        class: row.try_get::<&str, _>("class")?.into(),
-        a: row.try_get::<&str, _>("a")?.into(),
-        b: row.try_get::<&str, _>("b")?.into(),
+        class: row.try_get("class")?,
+        a: row.try_get("a")?,
+        b: row.try_get("b")?,
         finding,
-        source: row.try_get::<&str, _>("source")?.into(),
-        reason: row.try_get::<&str, _>("reason")?.into(),
-        fingerprint: row.try_get::<&str, _>("fingerprint")?.into(),
+        source: row.try_get("source")?,
+        reason: row.try_get("reason")?,
+        fingerprint: row.try_get("fingerprint")?,
     })
 }
 
@@ -302,11 +283,9 @@ pub(in crate::store) async fn readings(
 ) -> Result<HashMap<(u32, u16), CropReading>, StoreError> {
     let select = "select keyframe, detection, text, source, described, degraded from model_readings
         where map_key = $1";
-    let rows: Vec<(u32, u16, String, String, bool, bool)> =
-        sql::query_as(select).bind(map).fetch_all(db).await?;
-    let reading = |(keyframe, detection, text, source, described, degraded): (_, _, String, String, _, _)| {
-        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
-        ((keyframe, detection), reading)
+    let rows: Vec<(_, _, _, _, _, _)> = sql::query_as(select).bind(map).fetch_all(db).await?;
+    let reading = |(keyframe, detection, text, source, described, degraded)| {
+        ((keyframe, detection), CropReading { text, source, described, degraded })
     };
     Ok(rows.into_iter().map(reading).collect())
 }

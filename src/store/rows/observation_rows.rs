@@ -3,12 +3,11 @@
 use super::column::{integers, integers_of};
 use super::decode;
 use super::keyframe_rows::declared_blob;
-use super::statement::run;
 use crate::domain::change::{Keyframe, PointsOfKeyframe, Renamed};
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::sql::{self, Connection, Row};
+use crate::store::sql::{self, Query, Row};
 
 /// The columns of a keyframe's points beside those of its own row, for a select that joins the two.
 pub(in crate::store) const JOINED: &str =
@@ -16,34 +15,29 @@ pub(in crate::store) const JOINED: &str =
     keyframe_points.declared as declared_now, keyframe_points.bytes as bytes_now";
 
 /// Sets what a keyframe observes.
-pub(in crate::store) async fn set_points_of_keyframe(
-    db: &mut Connection,
-    map: MapKey,
-    points: &PointsOfKeyframe,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn set_points_of_keyframe(map: MapKey, points: &PointsOfKeyframe) -> Query {
+    let PointsOfKeyframe { keyframe, observes, renamed, declared, bytes } = points;
     let insert = "insert into keyframe_points
         (map_key, keyframe, observes, renamed_from, renamed_to, renames_all, declared, bytes)
         values ($1, $2, $3, $4, $5, $6, $7, $8)
         on conflict (map_key, keyframe) do update set observes = excluded.observes,
             renamed_from = excluded.renamed_from, renamed_to = excluded.renamed_to,
             renames_all = excluded.renames_all, declared = excluded.declared, bytes = excluded.bytes";
-    let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.pairs.iter().copied().unzip();
-    let query =
-        sql::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
-    let query = query.bind(integers(&from)).bind(integers(&to)).bind(points.renamed.is_complete);
-    run(db, query.bind(declared_blob(&points.declared)).bind(points.bytes as i64)).await
+    let (from, to): (Vec<PointId>, Vec<PointId>) = renamed.pairs.iter().copied().unzip();
+    let (observes, from, to) = (integers(&observes.to_vec()), integers(&from), integers(&to));
+    let declared = declared_blob(declared);
+    sql::statement(insert, (map, *keyframe, observes, from, to, renamed.is_complete, declared, *bytes))
 }
 
 /// Sets the map points of a detection.
-pub(in crate::store) async fn set_points_of_detection(
-    db: &mut Connection,
+pub(in crate::store) fn set_points_of_detection(
     map: MapKey,
     (keyframe, detection): (KeyframeSeq, u16),
     points: &[PointId],
-) -> Result<(), StoreError> {
+) -> Query {
     let update =
         "update detections set points_now = $4 where map_key = $1 and keyframe = $2 and detection = $3";
-    run(db, sql::query(update).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
+    sql::statement(update, (map, keyframe, detection, integers(points)))
 }
 
 /// Gives a keyframe what it observes now, if its row was selected with [`JOINED`] and that is not what was sent.
@@ -58,7 +52,7 @@ pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &Row) -> 
     keyframe.declared = decode::declared(row, "declared_now")?;
     let (pairs, is_complete) = (from.into_iter().zip(to).collect(), row.try_get("renames_all")?);
     keyframe.renamed = Some(Renamed { pairs, is_complete });
-    keyframe.bytes = row.try_get::<i64, _>("bytes_now")? as u64;
+    keyframe.bytes = row.try_get("bytes_now")?;
     Ok(())
 }
 

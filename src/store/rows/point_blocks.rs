@@ -112,12 +112,12 @@ async fn change_blocks(
     let head = "insert into point_blocks (map_key, session, block, points) ";
     let tail = " on conflict (map_key, session, block) do update set points = excluded.points";
     write_rows(db, head, tail, &written, |row, (block, points)| {
-        row.push_bind(map).push_bind(session.0).push_bind(*block).push_bind(points.clone());
+        row.push_bind(map).push_bind(session).push_bind(*block).push_bind(points);
     })
     .await?;
     for block in emptied {
         let delete = "delete from point_blocks where map_key = $1 and session = $2 and block = $3";
-        run(db, sql::query(delete).bind(map).bind(session.0).bind(block)).await?;
+        run(db, sql::statement(delete, (map, session, block))).await?;
     }
     Ok(())
 }
@@ -133,7 +133,7 @@ async fn blocks(
         where map_key = $1 and session = $2 and block in (select cast(value as bigint) from json_each($3))";
     let list = serde_json::json!(numbers).to_string();
     let rows: Vec<(i64, Vec<u8>)> =
-        sql::query_as(select).bind(map).bind(session.0).bind(list).fetch_all(db).await?;
+        sql::query_as(select).bind(map).bind(session).bind(list).fetch_all(db).await?;
     rows.into_iter().map(|(number, points)| Ok((number, Block::of(&points)?))).collect()
 }
 

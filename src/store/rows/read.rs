@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-use super::blob::{unpack, unpack_array};
+use super::blob::unpack;
 use super::clock::stamp_of_micros;
 use super::column::integers_of;
-use super::decode::{self, point};
+use super::decode;
 use super::frame_rows;
 use super::keypoints::keypoints_of;
 use super::session_merge_rows;
 use crate::domain::anchor::{IgnoredReason, Outcome};
 use crate::domain::bow::BowVector;
-use crate::domain::event::{Event, EventKind};
+use crate::domain::event::Event;
 use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::former::FormerValues;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId, SessionSeq};
+use crate::domain::ids::{KeyframeSeq, MapId, PointId, SessionSeq};
 use crate::domain::keyframe::{Crop, Detection, Features};
 use crate::domain::request::Digest;
 use crate::domain::session_merge::MergeUndo;
@@ -55,15 +55,13 @@ impl Store {
         let select =
             "select id from maps where id > $1 and deleted = 0 and id not like '%/%' order by id limit $2";
         let after = after.map_or("", MapId::as_str);
-        let ids: Vec<String> =
-            sql::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| decode::id(id)).collect()
+        Ok(sql::query_scalar(select).bind(after).bind(limit).fetch_all(&self.readers).await?)
     }
 
     /// Returns the bag of words of a keyframe.
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
         let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
-        let row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(keyframe).fetch_optional(&self.readers).await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
     }
@@ -71,7 +69,7 @@ impl Store {
     /// Returns the features of a keyframe, if it has any.
     pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(keyframe).fetch_optional(&self.readers).await?;
         let of_row =
             |error: StoreError| error.of_row(format!("the features of keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(features).transpose().map_err(of_row)).await
@@ -85,17 +83,17 @@ impl Store {
     ) -> Result<Option<KeyframeRow>, StoreError> {
         let mut db = self.snapshot().await?;
         let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
-        let found = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let found = sql::query(select).bind(map).bind(keyframe).fetch_optional(&mut *db).await?;
         let Some(row) = found else {
             db.commit().await?;
             return Ok(None);
         };
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let features_row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let features_row = sql::query(select).bind(map).bind(keyframe).fetch_optional(&mut *db).await?;
         let select = "select d.*, exists (select 1 from crops c where c.map_key = d.map_key and c.keyframe = d.keyframe
                 and c.detection = d.detection) as has_crop
             from detections d where d.map_key = $1 and d.keyframe = $2 order by d.detection";
-        let detections = sql::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        let detections = sql::query(select).bind(map).bind(keyframe).fetch_all(&mut *db).await?;
         let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
@@ -118,7 +116,7 @@ impl Store {
     ) -> Result<Option<Crop>, StoreError> {
         let select =
             "select media_type, bytes from crops where map_key = $1 and keyframe = $2 and detection = $3";
-        let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let query = sql::query_as(select).bind(map).bind(keyframe).bind(detection);
         let found: Option<(String, Vec<u8>)> = query.fetch_optional(&self.readers).await?;
         let Some((media_type, bytes)) = found else { return Ok(None) };
         let crop = match Crop::media_type_of(&bytes) {
@@ -171,23 +169,20 @@ impl Store {
         let select =
             "select coalesce((select min(seq) from events where map_key = $1), next_event), next_event
             from maps where map_key = $1 and deleted = 0";
-        let kept: Option<(i64, i64)> = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
-        Ok(kept.map(|(oldest, next)| oldest.unsigned_abs()..next.unsigned_abs()))
+        let kept = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        Ok(kept.map(|(oldest, next)| oldest..next))
     }
 
     /// Returns the events of a map after one, in their order.
     pub async fn events(&self, map: MapKey, since: u64, limit: usize) -> Result<Vec<Event>, StoreError> {
         let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
-        let since = i64::try_from(since).unwrap_or(i64::MAX);
-        let rows =
-            sql::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
+        let rows = sql::query(select).bind(map).bind(since).bind(limit).fetch_all(&self.readers).await?;
         let found = rows.iter().map(event).collect::<Result<Vec<Event>, _>>();
         let found = self.of_map(map, found).await?;
-        let mut expected = since as u64 + 1;
+        let first = since.saturating_add(1);
+        let mut expected = first;
         for event in &found {
-            if event.seq != expected
-                && (expected != since as u64 + 1 || self.has_events_up_to(map, since).await?)
-            {
+            if event.seq != expected && (expected != first || self.has_events_up_to(map, since).await?) {
                 let gap = format!("event {} follows upon {}", event.seq, expected - 1);
                 return self.of_map(map, Err(StoreError::corrupt(gap))).await;
             }
@@ -197,7 +192,7 @@ impl Store {
     }
 
     /// Whether an event of this number or an earlier one is kept. The oldest are taken out, and none in the middle.
-    async fn has_events_up_to(&self, map: MapKey, seq: i64) -> Result<bool, StoreError> {
+    async fn has_events_up_to(&self, map: MapKey, seq: u64) -> Result<bool, StoreError> {
         let select = "select exists (select 1 from events where map_key = $1 and seq <= $2)";
         Ok(sql::query_scalar(select).bind(map).bind(seq).fetch_one(&self.readers).await?)
     }
@@ -235,7 +230,7 @@ fn keyframe_row(
         features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
         sent_points: sent_points(row)?,
         detections,
-        digest: decode::digest(row)?,
+        digest: row.try_get("digest")?,
     })
 }
 
@@ -268,8 +263,7 @@ pub(in crate::store) fn features(row: &Row) -> Result<Features, StoreError> {
 /// Reads a detection; its crop has rows of its own.
 pub(in crate::store) fn detection(row: &Row) -> Result<DetectionRow, StoreError> {
     let outcome: &str = row.try_get("outcome")?;
-    let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
-    let outcome = match (outcome, anchor) {
+    let outcome = match (outcome, row.try_get("anchor")?) {
         ("created", Some(anchor)) => Outcome::Created(anchor),
         ("observed", Some(anchor)) => Outcome::Observed(anchor),
         (reason, _) => Outcome::Ignored(
@@ -280,9 +274,9 @@ pub(in crate::store) fn detection(row: &Row) -> Result<DetectionRow, StoreError>
     let detection = Detection {
         class: row.try_get("class")?,
         confidence: row.try_get("confidence")?,
-        box_px: unpack_array(row.try_get("box_px")?)?,
+        box_px: row.try_get("box_px")?,
         map_points: unpack(row.try_get("map_points")?)?,
-        position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
+        position_in_session: row.try_get("position")?,
         range_assumed: row.try_get("range_assumed")?,
         text: row.try_get("text")?,
         description: row.try_get("description")?,
@@ -292,21 +286,19 @@ pub(in crate::store) fn detection(row: &Row) -> Result<DetectionRow, StoreError>
 }
 
 pub(in crate::store) fn event(row: &Row) -> Result<Event, StoreError> {
-    let kind: &str = row.try_get("kind")?;
-    let id = |column: &str| -> Result<Option<&str>, StoreError> { Ok(row.try_get(column)?) };
     Ok(Event {
-        seq: row.try_get::<i64, _>("seq")? as u64,
-        kind: EventKind::from_name(kind).ok_or_else(|| StoreError::corrupt(format!("event {kind}")))?,
-        map_version: row.try_get::<i64, _>("map_version")? as u64,
+        seq: row.try_get("seq")?,
+        kind: row.try_get("kind")?,
+        map_version: row.try_get("map_version")?,
         told: Some(stamp_of_micros(row.try_get("told_us")?)),
-        anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
-        other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
-        keyframe: id("keyframe")?.map(decode::id).transpose()?,
-        candidate: id("candidate")?.map(decode::id).transpose()?,
-        loop_id: id("loop_id")?.map(decode::id).transpose()?,
+        anchor: row.try_get("anchor")?,
+        other: row.try_get("other")?,
+        keyframe: row.try_get("keyframe")?,
+        candidate: row.try_get("candidate")?,
+        loop_id: row.try_get("loop_id")?,
         query: row.try_get("query")?,
-        session: id("session")?.map(decode::id).transpose()?,
-        into: id("into_session")?.map(decode::id).transpose()?,
+        session: row.try_get("session")?,
+        into: row.try_get("into_session")?,
         detail: row.try_get("detail")?,
     })
 }

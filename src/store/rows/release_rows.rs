@@ -3,16 +3,16 @@
 use std::collections::HashMap;
 
 use super::bulk_insert::write_rows;
+use super::map_rows;
 use super::statement::run;
-use super::{decode, map_rows};
-use crate::domain::ids::{MapId, ReleaseName, SessionId};
+use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::keyframe::Stamp;
 use crate::domain::release::{Release, ReleaseUse};
 use crate::domain::request::Digest;
 use crate::store::commit::job::{CopiedAs, MapKey};
 use crate::store::log::log_rows::{self, FIRST_PART};
 use crate::store::log::parts::Part;
-use crate::store::sql::{self, Connection, Row};
+use crate::store::sql::{self, Connection, Query, Row};
 use crate::store::{Store, StoreError};
 
 /// Robots that a release's list names, at most; those that asked longest ago are left out first.
@@ -27,18 +27,17 @@ pub(in crate::store) async fn finish_copy(
     match copied_as {
         CopiedAs::Release { map, of, name, version, description, published, digest } => {
             let update = "update maps set deleted = 0, id = $2 where map_key = $1";
-            run(db, sql::query(update).bind(copy).bind(of.of_release(name).as_str())).await?;
+            run(db, sql::statement(update, (copy, &of.of_release(name)))).await?;
             let insert =
                 "insert into releases (map_key, name, release_key, map_version, description, published_sec,
                 published_nanosec, digest) values ($1, $2, $3, $4, $5, $6, $7, $8)";
-            let query = sql::query(insert).bind(map).bind(name.as_str()).bind(copy).bind(*version as i64);
-            let query = query.bind(description).bind(published.sec).bind(published.nanosec);
-            run(db, query.bind(&digest[..])).await
+            let Stamp { sec, nanosec } = *published;
+            let values = (map, name, copy, *version, description, sec, nanosec, digest);
+            run(db, sql::statement(insert, values)).await
         }
         CopiedAs::Itself { id } => {
             let update = "update maps set deleted = 0, id = $2 where map_key = $1 and deleted = 2";
-            let query = sql::query(update).bind(copy).bind(id.as_str());
-            if query.execute(&mut *db).await? == 0 {
+            if sql::statement(update, (copy, id)).execute(&mut *db).await? == 0 {
                 return Err(StoreError::corrupt(format!("the copy of map {id} was thrown away")));
             }
             Ok(())
@@ -47,10 +46,9 @@ pub(in crate::store) async fn finish_copy(
             // As a map that was just made: its events are numbered from above those of every map that was deleted.
             let update = "update maps set deleted = 0, id = $2, version = $3, digest = $4, owner = $5,
                 next_event = (select last + 1 from counters where name = 'event') where map_key = $1";
-            let query = sql::query(update).bind(copy).bind(id.as_str()).bind(*version as i64);
-            run(db, query.bind(&digest[..]).bind(owner.map(|owner| owner.0))).await?;
-            run(db, sql::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;
-            map_rows::set_properties(db, copy, properties).await?;
+            run(db, sql::statement(update, (copy, id, *version, digest, *owner))).await?;
+            run(db, sql::statement("delete from fleet_frames where map_key = $1", (copy,))).await?;
+            run(db, map_rows::set_properties(copy, properties)?).await?;
             log_rows::add(db, (copy, *version), FIRST_PART, &Part::setting(properties)).await
         }
     }
@@ -68,20 +66,19 @@ pub(in crate::store) async fn count_uses(
         on conflict (map_key, session) do update set queries = release_uses.queries + excluded.queries,
             last_sec = excluded.last_sec, last_nanosec = excluded.last_nanosec";
     write_rows(db, head, tail, uses, |row, of| {
-        row.push_bind(release).push_bind(of.session.to_string()).push_bind(of.queries as i64);
+        row.push_bind(release).push_bind(&of.session).push_bind(of.queries);
         row.push_bind(of.last.sec).push_bind(of.last.nanosec);
     })
     .await?;
     let sweep = "delete from release_uses where map_key = $1 and session not in (
         select session from release_uses where map_key = $1 order by last_sec desc, last_nanosec desc, session limit $2
     ) and (select count(*) from release_uses where map_key = $1) > $2";
-    run(db, sql::query(sweep).bind(release).bind(RELEASE_USES_MAX)).await
+    run(db, sql::statement(sweep, (release, RELEASE_USES_MAX))).await
 }
 
 /// Keyframes were erased from a release.
-pub(in crate::store) async fn count_erasure(db: &mut Connection, release: MapKey) -> Result<(), StoreError> {
-    let update = "update releases set erasures = erasures + 1 where release_key = $1";
-    run(db, sql::query(update).bind(release)).await
+pub(in crate::store) fn count_erasure(release: MapKey) -> Query {
+    sql::statement("update releases set erasures = erasures + 1 where release_key = $1", (release,))
 }
 
 impl Store {
@@ -96,7 +93,7 @@ impl Store {
             from releases r join maps m on m.map_key = r.release_key
             where r.map_key = $1 and r.name > $2 order by r.name limit $3";
         let after = after.map_or("", ReleaseName::as_str);
-        let query = sql::query(select).bind(map).bind(after).bind(limit as i64);
+        let query = sql::query(select).bind(map).bind(after).bind(limit);
         self.with_uses(&query.fetch_all(&self.readers).await?).await
     }
 
@@ -108,9 +105,9 @@ impl Store {
     ) -> Result<Option<(Release, Digest)>, StoreError> {
         let select = "select r.*, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
             from releases r join maps m on m.map_key = r.release_key where r.map_key = $1 and r.name = $2";
-        let query = sql::query(select).bind(map).bind(name.as_str());
+        let query = sql::query(select).bind(map).bind(name);
         let Some(row) = query.fetch_optional(&self.readers).await? else { return Ok(None) };
-        let digest = decode::digest(&row)?;
+        let digest = row.try_get("digest")?;
         let found = self.with_uses(&[row]).await?.pop();
         Ok(found.map(|release| (release, digest)))
     }
@@ -119,16 +116,14 @@ impl Store {
     pub async fn release_sizes(&self, map: MapKey) -> Result<(u64, u64), StoreError> {
         let select = "select count(*), cast(coalesce(sum(m.bytes), 0) as bigint)
             from releases r join maps m on m.map_key = r.release_key where r.map_key = $1";
-        let (count, bytes): (i64, i64) = sql::query_as(select).bind(map).fetch_one(&self.readers).await?;
-        Ok((count.unsigned_abs(), bytes.unsigned_abs()))
+        Ok(sql::query_as(select).bind(map).fetch_one(&self.readers).await?)
     }
 
     /// Returns the ids of the maps that hold the releases of a map, with their keys.
     pub async fn release_maps(&self, map: MapKey) -> Result<Vec<(MapId, MapKey)>, StoreError> {
         let select = "select m.id, m.map_key from releases r join maps m on m.map_key = r.release_key
             where r.map_key = $1 order by r.name";
-        let rows: Vec<(String, MapKey)> = sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
-        rows.iter().map(|(id, key)| Ok((decode::id(id)?, *key))).collect()
+        Ok(sql::query_as(select).bind(map).fetch_all(&self.readers).await?)
     }
 
     async fn with_uses(&self, rows: &[Row]) -> Result<Vec<Release>, StoreError> {
@@ -148,23 +143,21 @@ impl Store {
 }
 
 fn release(row: &Row, uses: Vec<ReleaseUse>) -> Result<Release, StoreError> {
-    let number = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)?.unsigned_abs());
-    let version = number("map_version")?;
     Ok(Release {
-        name: decode::id(row.try_get::<&str, _>("name")?)?,
+        name: row.try_get("name")?,
         description: row.try_get("description")?,
-        version,
+        version: row.try_get("map_version")?,
         published: Stamp { sec: row.try_get("published_sec")?, nanosec: row.try_get("published_nanosec")? },
         figures: map_rows::figures(row)?,
-        erasures: number("erasures")?,
+        erasures: row.try_get("erasures")?,
         uses,
     })
 }
 
 fn release_use(row: &Row) -> Result<ReleaseUse, StoreError> {
     Ok(ReleaseUse {
-        session: decode::id::<SessionId>(row.try_get::<&str, _>("session")?)?,
-        queries: row.try_get::<i64, _>("queries")?.unsigned_abs(),
+        session: row.try_get("session")?,
+        queries: row.try_get("queries")?,
         last: Stamp { sec: row.try_get("last_sec")?, nanosec: row.try_get("last_nanosec")? },
     })
 }

@@ -10,36 +10,32 @@ use crate::store::{Store, StoreError};
 /// Keyframes that one look finds.
 const FOUND_AT_ONCE: i64 = 256;
 
-/// A crop that may go: its detection, the anchor that it feeds, and its bytes.
-type CropRow = (u32, u16, Option<u32>, i64);
-
 /// Deletes parts of a keyframe.
 pub(in crate::store) async fn forget_parts(
     db: &mut Connection,
     map: MapKey,
     parts: &ForgottenParts,
 ) -> Result<(), StoreError> {
-    let keyframe = parts.keyframe.0;
+    let keyframe = parts.keyframe;
     if parts.features {
         let delete = "delete from keyframe_features where map_key = $1 and keyframe = $2";
-        run(db, sql::query(delete).bind(map).bind(keyframe)).await?;
+        run(db, sql::statement(delete, (map, keyframe))).await?;
     }
     if parts.global_descriptor {
         let update =
             "update keyframes set global_model = null, global_encoding = null, global_descriptor = null
             where map_key = $1 and keyframe = $2";
-        run(db, sql::query(update).bind(map).bind(keyframe)).await?;
+        run(db, sql::statement(update, (map, keyframe))).await?;
     }
     for (detection, _) in &parts.crops {
         let delete = "delete from crops where map_key = $1 and keyframe = $2 and detection = $3";
-        run(db, sql::query(delete).bind(map).bind(keyframe).bind(*detection)).await?;
+        run(db, sql::statement(delete, (map, keyframe, *detection))).await?;
     }
     for table in ["keyframes", "keyframe_points"] {
         let update = format!(
             "update {table} set bytes = case when bytes > $3 then bytes - $3 else 0 end where map_key = $1 and keyframe = $2"
         );
-        let query = sql::query(sqlx::AssertSqlSafe(update)).bind(map).bind(keyframe);
-        run(db, query.bind(parts.bytes as i64)).await?;
+        run(db, sql::statement(sqlx::AssertSqlSafe(update), (map, keyframe, parts.bytes))).await?;
     }
     Ok(())
 }
@@ -47,8 +43,8 @@ pub(in crate::store) async fn forget_parts(
 /// Deletes the record of what models said and what others replaced since.
 pub(in crate::store) async fn forget_dialogues(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
     let update = "update model_readings set dialogue = null where map_key = $1 and dialogue is not null";
-    run(db, sql::query(update).bind(map)).await?;
-    run(db, sql::query("delete from versions where map_key = $1 and part < 0").bind(map)).await
+    run(db, sql::statement(update, (map,))).await?;
+    run(db, sql::statement("delete from versions where map_key = $1 and part < 0", (map,))).await
 }
 
 impl Store {
@@ -69,15 +65,10 @@ impl Store {
                 and (f.keyframe is not null or k.global_descriptor is not null)
             order by k.keyframe limit $4";
         let query = sql::query_as(select).bind(map).bind(before_sec).bind(KEYPOINT).bind(FOUND_AT_ONCE);
-        let rows: Vec<(u32, bool, bool, i64, i64)> = query.fetch_all(&self.readers).await?;
-        let parts = |(keyframe, features, global_descriptor, of_features, of_global): (_, _, _, i64, i64)| {
-            ForgottenParts {
-                keyframe: KeyframeSeq(keyframe),
-                features,
-                global_descriptor,
-                crops: Vec::new(),
-                bytes: (of_features + of_global).unsigned_abs(),
-            }
+        let rows: Vec<(_, _, _, u64, u64)> = query.fetch_all(&self.readers).await?;
+        let parts = |(keyframe, features, global_descriptor, of_features, of_global)| {
+            let bytes = of_features + of_global;
+            ForgottenParts { keyframe, features, global_descriptor, crops: Vec::new(), bytes }
         };
         Ok(rows.into_iter().map(parts).collect())
     }
@@ -95,18 +86,17 @@ impl Store {
                     and r.keyframe = c.keyframe and r.detection = c.detection and r.degraded = 0))
             order by c.keyframe, c.detection limit $3";
         let query = sql::query_as(select).bind(map).bind(no_model_reads).bind(FOUND_AT_ONCE);
-        let rows: Vec<CropRow> = query.fetch_all(&self.readers).await?;
+        let rows: Vec<(KeyframeSeq, u16, Option<AnchorSeq>, u64)> = query.fetch_all(&self.readers).await?;
         let mut found: Vec<ForgottenParts> = Vec::new();
         for (keyframe, detection, anchor, bytes) in rows {
-            let keyframe = KeyframeSeq(keyframe);
             if found.last().is_none_or(|parts| parts.keyframe != keyframe) {
                 let (features, global_descriptor) = (false, false);
                 let crops = Vec::new();
                 found.push(ForgottenParts { keyframe, features, global_descriptor, crops, bytes: 0 });
             }
             if let Some(parts) = found.last_mut() {
-                parts.crops.push((detection, anchor.map(AnchorSeq)));
-                parts.bytes += bytes.unsigned_abs();
+                parts.crops.push((detection, anchor));
+                parts.bytes += bytes;
             }
         }
         Ok(found)
@@ -129,8 +119,7 @@ impl Store {
     ) -> Result<Vec<KeyframeSeq>, StoreError> {
         let select = "select keyframe from keyframes
             where map_key = $1 and keyframe >= $2 and stored_sec < $3 order by keyframe limit 10000";
-        let query = sql::query_scalar(select).bind(map).bind(from.0).bind(before_sec);
-        let rows: Vec<u32> = query.fetch_all(&self.readers).await?;
-        Ok(rows.into_iter().map(KeyframeSeq).collect())
+        let query = sql::query_scalar(select).bind(map).bind(from).bind(before_sec);
+        Ok(query.fetch_all(&self.readers).await?)
     }
 }

@@ -1,7 +1,6 @@
 //! Merges of sessions, as rows. A keyframe's row keeps the session that was sent; these say which it is of by now.
 
 use super::json;
-use super::statement::run;
 use crate::domain::change::{Change, SessionMerge};
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
@@ -9,7 +8,7 @@ use crate::domain::session_merge::MergeUndo;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::log::log_rows;
-use crate::store::sql::{self, Connection};
+use crate::store::sql::{self, Connection, Query};
 
 /// A merge as far as it says which session a keyframe is of.
 #[derive(Clone, Copy, Debug)]
@@ -33,48 +32,33 @@ pub(in crate::store) fn session_after(
 }
 
 /// Adds a merge.
-pub(in crate::store) async fn add(
-    db: &mut Connection,
-    (map, version): (MapKey, u64),
-    merge: &SessionMerge,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn add((map, version): (MapKey, u64), merge: &SessionMerge) -> Query {
     let insert = "insert into session_merges (map_key, version, session, into_session, next_keyframe)
         values ($1, $2, $3, $4, $5)";
-    let query = sql::query(insert).bind(map).bind(version as i64).bind(merge.session.0);
-    run(db, query.bind(merge.into.0).bind(merge.next_keyframe.0)).await
+    sql::statement(insert, (map, version, merge.session, merge.into, merge.next_keyframe))
 }
 
 /// Keeps what revokes a merge.
-pub(in crate::store) async fn keep_undo(
-    db: &mut Connection,
+pub(in crate::store) fn keep_undo(
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
-) -> Result<(), StoreError> {
-    let body = json::text(undo)?;
+) -> Result<Query, StoreError> {
     let update = "update session_merges set undo = $3 where map_key = $1 and version = $2";
-    run(db, sql::query(update).bind(map).bind(version as i64).bind(body)).await
+    Ok(sql::statement(update, (map, version, json::text(undo)?)))
 }
 
 /// The merge of a session can be revoked no more.
-pub(in crate::store) async fn settle(
-    db: &mut Connection,
-    map: MapKey,
-    session: SessionSeq,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn settle(map: MapKey, session: SessionSeq) -> Query {
     let update = "update session_merges set undo = null
         where map_key = $1 and session = $2 and undo is not null";
-    run(db, sql::query(update).bind(map).bind(session.0)).await
+    sql::statement(update, (map, session))
 }
 
 /// Removes a merge that was revoked.
-pub(in crate::store) async fn remove(
-    db: &mut Connection,
-    map: MapKey,
-    undo: &MergeUndo,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn remove(map: MapKey, undo: &MergeUndo) -> Query {
     let delete = "delete from session_merges where map_key = $1 and session = $2 and next_keyframe = $3
         and undo is not null";
-    run(db, sql::query(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0)).await
+    sql::statement(delete, (map, undo.session, undo.next_keyframe))
 }
 
 /// Returns the merges of a map, in their order.
@@ -84,13 +68,9 @@ pub(in crate::store) async fn all(
 ) -> Result<Vec<MergedSession>, StoreError> {
     let select = "select session, into_session, next_keyframe, undo is not null from session_merges
         where map_key = $1 order by version";
-    let rows: Vec<(u32, u32, u32, bool)> = sql::query_as(select).bind(map).fetch_all(db).await?;
-    let merge = |(session, into, next, is_open)| MergedSession {
-        session: SessionSeq(session),
-        into: SessionSeq(into),
-        next_keyframe: KeyframeSeq(next),
-        is_open,
-    };
+    let rows: Vec<(_, _, _, _)> = sql::query_as(select).bind(map).fetch_all(db).await?;
+    let merge =
+        |(session, into, next_keyframe, is_open)| MergedSession { session, into, next_keyframe, is_open };
     Ok(rows.into_iter().map(merge).collect())
 }
 
@@ -109,8 +89,8 @@ pub(in crate::store) async fn undo(
 ) -> Result<Option<(MergeUndo, FormerValues)>, StoreError> {
     let select = "select version, undo from session_merges
         where map_key = $1 and session = $2 and undo is not null";
-    let query = sql::query_as(select).bind(map).bind(session.0);
-    let found: Option<(i64, String)> = query.fetch_optional(&mut *db).await?;
+    let query = sql::query_as(select).bind(map).bind(session);
+    let found: Option<(u64, String)> = query.fetch_optional(&mut *db).await?;
     let Some((version, body)) = found else { return Ok(None) };
     let mut former = FormerValues::default();
     for entry in log_rows::of_version(db, map, version).await? {

@@ -39,13 +39,13 @@ pub(in crate::store) async fn remove(
     sessions: &[SessionId],
 ) -> Result<(), StoreError> {
     for statement in STATEMENTS {
-        run(db, sql::query(*statement).bind(map)).await?;
+        run(db, sql::statement(*statement, (map,))).await?;
     }
     let mut erased = BTreeSet::new();
     for session in sessions {
         // It may have asked a release without a keyframe in it.
         let delete = "delete from release_uses where map_key = $1 and session = $2";
-        run(db, sql::query(delete).bind(map).bind(session.as_str())).await?;
+        run(db, sql::statement(delete, (map, session))).await?;
         erased.extend(forget_session(db, map, session).await?);
     }
     if !sessions.is_empty() {
@@ -86,9 +86,8 @@ async fn forget_session(
     let select = "select session from sessions s where map_key = $1 and id = $2
         and not exists (select 1 from keyframes k where k.map_key = $1 and k.session = s.session)
         and not exists (select 1 from prior_anchors p where p.map_key = $1 and p.frame = s.session)";
-    let found: Option<u32> =
-        sql::query_scalar(select).bind(map).bind(session.as_str()).fetch_optional(&mut *db).await?;
-    let Some(number) = found else { return Ok(None) };
+    let found = sql::query_scalar(select).bind(map).bind(session).fetch_optional(&mut *db).await?;
+    let Some(SessionSeq(number)) = found else { return Ok(None) };
     let mut name = format!("erased-{number}");
     let is_taken = "select exists (select 1 from sessions where map_key = $1 and id = $2)";
     while sql::query_scalar::<bool>(is_taken).bind(map).bind(&name).fetch_one(&mut *db).await? {
@@ -96,9 +95,9 @@ async fn forget_session(
     }
     // A map's figures count the names of its sessions.
     let update = "update maps set bytes = bytes - octet_length($2) + octet_length($3) where map_key = $1";
-    run(db, sql::query(update).bind(map).bind(session.as_str()).bind(&name)).await?;
+    run(db, sql::statement(update, (map, session, &name))).await?;
     let update = "update sessions set id = $3 where map_key = $1 and session = $2";
-    run(db, sql::query(update).bind(map).bind(number).bind(name)).await?;
+    run(db, sql::statement(update, (map, number, name))).await?;
     Ok(Some(SessionSeq(number)))
 }
 
@@ -121,22 +120,22 @@ struct Standing {
 impl Standing {
     async fn of(db: &mut Connection, map: MapKey, erased: BTreeSet<SessionSeq>) -> Result<Self, StoreError> {
         let select = "select anchor from anchors where map_key = $1";
-        let anchors: Vec<u32> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+        let anchors = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
         let select = "select session, into_session from session_merges where map_key = $1 order by version";
-        let merges: Vec<(u32, u32)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
+        let merges = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
         let mut this = Self {
             keyframes: BTreeSet::new(),
-            anchors: anchors.into_iter().map(AnchorSeq).collect(),
+            anchors: anchors.into_iter().collect(),
             points: BTreeSet::new(),
-            merges: merges.into_iter().map(|(from, into)| (SessionSeq(from), SessionSeq(into))).collect(),
+            merges,
             held: erased.clone(),
             erased,
             loops: BTreeSet::new(),
         };
         let select = "select keyframe, session, observes, sent_points from keyframes where map_key = $1";
         for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
-            this.keyframes.insert(KeyframeSeq(row.try_get("keyframe")?));
-            let session = this.whole(SessionSeq(row.try_get("session")?));
+            this.keyframes.insert(row.try_get("keyframe")?);
+            let session = this.whole(row.try_get("session")?);
             this.points.extend(sent_points(&row)?.into_iter().map(|point| (session, point)));
             if !this.merges.is_empty() {
                 // After a merge of sessions points have other numbers than those they were sent with.
@@ -264,7 +263,7 @@ async fn remove_verdicts(db: &mut Connection, map: MapKey) -> Result<(), StoreEr
     for (operation, class, a, b) in left.into_keys() {
         let delete = "delete from model_verdicts
             where map_key = $1 and operation = $2 and class = $3 and a = $4 and b = $5";
-        run(db, sql::query(delete).bind(map).bind(operation).bind(class).bind(a).bind(b)).await?;
+        run(db, sql::statement(delete, (map, operation, class, a, b))).await?;
     }
     Ok(())
 }

@@ -48,12 +48,11 @@ impl Store {
         let mut db = self.snapshot().await?;
         let select = "select version, body from versions
             where map_key = $1 and version > $2 and part < 0 order by version desc limit $3";
-        let query = sql::query(select).bind(map).bind(since_version as i64).bind(limit as i64);
+        let query = sql::query(select).bind(map).bind(since_version).bind(limit);
         let mut rows = Vec::new();
         let mut found = query.fetch(&mut db);
         while let Some(row) = found.try_next().await? {
-            let version: i64 = row.try_get("version")?;
-            rows.push((version as u64, Entry::of(row.try_get("body")?)?.unsaid));
+            rows.push((row.try_get("version")?, Entry::of(row.try_get("body")?)?.unsaid));
         }
         drop(found);
         let mut replaced = Vec::new();
@@ -101,7 +100,7 @@ async fn of_crop(db: &mut Connection, map: MapKey, before: CropRead) -> Result<O
     }
     let select = "select d.class, k.id from detections d join keyframes k using (map_key, keyframe)
         where map_key = $1 and keyframe = $2 and detection = $3";
-    let query = sql::query_as(select).bind(map).bind(at.0.0).bind(at.1);
+    let query = sql::query_as(select).bind(map).bind(at.0).bind(at.1);
     let found: Option<(String, String)> = query.fetch_optional(db).await?;
     Ok(found.map(|(class, keyframe)| Replaced {
         map_version: 0,

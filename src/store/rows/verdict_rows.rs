@@ -2,9 +2,7 @@
 
 use super::bulk_insert::write_rows;
 use super::clock::{micros_now, stamp_of_micros};
-use super::decode;
 use super::statement::run;
-use crate::domain::ids::KeyframeId;
 use crate::domain::reason::ReasonCode;
 use crate::domain::verdict::Decision;
 use crate::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
@@ -53,13 +51,10 @@ pub(in crate::store) async fn keep(db: &mut Connection, queries: &[KeptQuery<'_>
         set kept = excluded.kept, asked_us = excluded.asked_us, body = excluded.body";
     let now = micros_now();
     write_rows(db, head, tail, queries, |row, query| {
-        let text = |id: &KeyframeId| id.as_str().to_owned();
-        row.push_bind(query.map).push_bind(query.id.to_owned()).push_bind(query.kept).push_bind(now);
-        row.push_bind(query.line.keyframe.as_ref().map(text))
-            .push_bind(query.line.candidate.as_ref().map(text));
-        row.push_bind(query.line.map_version as i64).push_bind(query.line.decision.as_str());
-        row.push_bind(query.line.reason.map(ReasonCode::as_str)).push_bind(query.line.why.clone());
-        row.push_bind(query.body.to_vec());
+        let VerdictLine { keyframe, candidate, map_version, decision, reason, why } = query.line;
+        row.push_bind(query.map).push_bind(query.id).push_bind(query.kept).push_bind(now);
+        row.push_bind(keyframe.as_ref()).push_bind(candidate.as_ref()).push_bind(*map_version);
+        row.push_bind(*decision).push_bind(*reason).push_bind(why).push_bind(query.body);
     })
     .await?;
     for query in queries.iter().filter(|query| query.kept % SWEPT_EVERY == 0) {
@@ -68,9 +63,9 @@ pub(in crate::store) async fn keep(db: &mut Connection, queries: &[KeptQuery<'_>
             where map_key = $1 and kept > $2 and kept <= $3 and body is not null";
         let oldest = query.kept - WHOLE_KEPT + SWEPT_EVERY;
         let from = oldest - 8 * SWEPT_EVERY;
-        run(db, sql::query(forget).bind(query.map).bind(from).bind(oldest)).await?;
+        run(db, sql::statement(forget, (query.map, from, oldest))).await?;
         let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
-        run(db, sql::query(sweep).bind(query.map).bind(query.kept - LINES_KEPT + SWEPT_EVERY)).await?;
+        run(db, sql::statement(sweep, (query.map, query.kept - LINES_KEPT + SWEPT_EVERY))).await?;
     }
     Ok(())
 }
@@ -102,7 +97,7 @@ impl Store {
             .bind(filter.session.as_ref().map_or("", |session| session.as_str()))
             .bind(filter.since_s.map_or(0, micros))
             .bind(filter.until_s.map_or(i64::MAX, micros))
-            .bind(limit as i64);
+            .bind(limit);
         let rows = query.fetch_all(&self.readers).await?;
         let found = rows.iter().map(listed).collect();
         self.of_map(map, found).await
@@ -113,8 +108,8 @@ fn listed(row: &Row) -> Result<(i64, ListedVerdict), StoreError> {
     let listed = ListedVerdict {
         query: row.try_get("id")?,
         asked: stamp_of_micros(row.try_get("asked_us")?),
-        session: row.try_get::<Option<&str>, _>("session")?.map(decode::id).transpose()?,
-        is_whole: row.try_get::<i64, _>("is_whole")? != 0,
+        session: row.try_get("session")?,
+        is_whole: row.try_get("is_whole")?,
         line: line(row)?,
     };
     Ok((row.try_get("kept")?, listed))
@@ -122,17 +117,12 @@ fn listed(row: &Row) -> Result<(i64, ListedVerdict), StoreError> {
 
 /// Reads the columns of a line.
 pub(in crate::store) fn line(row: &Row) -> Result<VerdictLine, StoreError> {
-    let id = |column: &str| -> Result<Option<KeyframeId>, StoreError> {
-        row.try_get::<Option<&str>, _>(column)?.map(decode::id).transpose()
-    };
-    let unknown = |name: &str| StoreError::corrupt(format!("verdict {name}"));
-    let (verdict, reason): (&str, Option<&str>) = (row.try_get("verdict")?, row.try_get("reason")?);
     Ok(VerdictLine {
-        keyframe: id("keyframe")?,
-        candidate: id("candidate")?,
-        map_version: row.try_get::<i64, _>("map_version")? as u64,
-        decision: Decision::from_name(verdict).ok_or_else(|| unknown(verdict))?,
-        reason: reason.map(|name| ReasonCode::from_name(name).ok_or_else(|| unknown(name))).transpose()?,
+        keyframe: row.try_get("keyframe")?,
+        candidate: row.try_get("candidate")?,
+        map_version: row.try_get("map_version")?,
+        decision: row.try_get("verdict")?,
+        reason: row.try_get("reason")?,
         why: row.try_get("why")?,
     })
 }

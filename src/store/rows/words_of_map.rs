@@ -52,15 +52,15 @@ async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreErr
          exists (select 1 from anchors where anchors.map_key = maps.map_key) as has_anchors, \
          exists (select 1 from keyframes where keyframes.map_key = maps.map_key and global_model is not null) as has_globals \
          from maps where id = $1 and deleted = 0";
-    let row = sql::query(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+    let row = sql::query(select).bind(id).fetch_optional(&mut *db).await?;
     let Some(row) = row else { return Ok(None) };
     Ok(Some(MapOutline {
         key: row.try_get("map_key")?,
-        version: row.try_get::<i64, _>("version")? as u64,
+        version: row.try_get("version")?,
         vocabulary: row.try_get("vocabulary")?,
         has_anchors: row.try_get("has_anchors")?,
         has_globals: row.try_get("has_globals")?,
-        memory_bytes: row.try_get::<i64, _>("memory_bytes")?.unsigned_abs(),
+        memory_bytes: row.try_get("memory_bytes")?,
     }))
 }
 

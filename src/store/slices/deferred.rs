@@ -67,7 +67,7 @@ pub(in crate::store) async fn wait(
 ) -> Result<(), StoreError> {
     let update =
         "update maps set waits_version = $2, waits_part = $3 where map_key = $1 and waits_version is null";
-    run(db, sql::query(update).bind(map).bind(version as i64).bind(FIRST_PART + 1)).await
+    run(db, sql::statement(update, (map, version, FIRST_PART + 1))).await
 }
 
 /// Whether changes of a map wait for their rows.

@@ -8,8 +8,6 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::log::log_rows::COUNTS;
 use crate::store::log::parts::Kind;
-use crate::store::rows::blob::pack;
-use crate::store::rows::keyframe_rows::pose_blob;
 use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
 use crate::store::sql::{self, Connection};
@@ -71,7 +69,7 @@ async fn fold_part(db: &mut Connection, map: MapKey, part: Waiting) -> Result<()
     write(db, map, part.entry.changes.into_iter().map(std::borrow::Cow::into_owned)).await?;
     if part.kind != Kind::Moved.as_str() {
         let delete = "delete from versions where map_key = $1 and version = $2 and part = $3";
-        run(db, sql::query(delete).bind(map).bind(version).bind(number)).await?;
+        run(db, sql::statement(delete, (map, version, number))).await?;
     }
     let select = format!(
         "select version, part from versions v where map_key = $1 and (version, part) > ($2, $3)
@@ -84,11 +82,11 @@ async fn fold_part(db: &mut Connection, map: MapKey, part: Waiting) -> Result<()
         let delete =
             "delete from versions where map_key = $1 and version = $2 and part = 0 and kind = 'passing'
             and not exists (select 1 from versions o where o.map_key = $1 and o.version = $2 and o.part > 0)";
-        run(db, sql::query(delete).bind(map).bind(version)).await?;
+        run(db, sql::statement(delete, (map, version))).await?;
     }
     let update = "update maps set waits_version = $2, waits_part = $3 where map_key = $1";
-    let query = sql::query(update).bind(map).bind(next.map(|(version, _)| version));
-    run(db, query.bind(next.map(|(_, part)| part))).await
+    let (next_version, next_part) = next.unzip();
+    run(db, sql::statement(update, (map, next_version, next_part))).await
 }
 
 /// Writes changes of one kind to their rows. What they change may be gone meanwhile.
@@ -102,18 +100,17 @@ async fn write(
         match change {
             Change::PoseSet(keyframe, pose) => {
                 let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-                run(db, sql::query(update).bind(map).bind(keyframe.0).bind(pose_blob(&pose))).await?;
+                run(db, sql::statement(update, (map, keyframe, &pose))).await?;
             }
             Change::PositionSet(_, keyframe, detection, at) => {
                 let update = "update detections set position = $4
                     where map_key = $1 and keyframe = $2 and detection = $3";
-                let query = sql::query(update).bind(map).bind(keyframe.0).bind(detection);
-                run(db, query.bind(pack([at.x, at.y, at.z]))).await?;
+                run(db, sql::statement(update, (map, keyframe, detection, at))).await?;
             }
             Change::AnchorTouched(anchor, version) => {
                 let update = "update anchors set version = $3
                     where map_key = $1 and anchor = $2 and version < $3";
-                run(db, sql::query(update).bind(map).bind(anchor.0).bind(version as i64)).await?;
+                run(db, sql::statement(update, (map, anchor, version))).await?;
             }
             Change::PointSet(session, id, at) => points.push((session, id, at)),
             Change::PointsForgotten(session, ids) => forgotten.extend(ids.iter().map(|id| (session, *id))),

@@ -20,5 +20,5 @@ pub(in crate::store) mod row;
 pub(in crate::store) mod value;
 
 pub(in crate::store) use connection::{Connection, Engine, Pool, Statements};
-pub(in crate::store) use query::{query, query_as, query_scalar};
+pub(in crate::store) use query::{Query, query, query_as, query_scalar, statement};
 pub(in crate::store) use row::Row;

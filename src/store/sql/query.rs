@@ -9,7 +9,7 @@ use sqlx::{Either, Error, Executor as _, PgConnection, SqlSafeStr, SqlStr};
 
 use super::connection::{Alone, Connection, Statements, Target, limited};
 use super::row::{FromRow, FromValue, Row};
-use super::value::{ToValue, Value};
+use super::value::{ToValue, Value, Values};
 
 /// A statement with its values.
 #[derive(Debug)]
@@ -36,6 +36,11 @@ struct Answer {
 /// Returns a statement.
 pub(in crate::store) fn query(sql: impl SqlSafeStr) -> Query {
     Query { sql: sql.into_sql_str(), values: Vec::new() }
+}
+
+/// Returns a statement with these values.
+pub(in crate::store) fn statement(sql: impl SqlSafeStr, values: impl Values) -> Query {
+    Query { sql: sql.into_sql_str(), values: values.to_values() }
 }
 
 /// Returns a statement whose rows are tuples.

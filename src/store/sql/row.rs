@@ -48,7 +48,7 @@ impl Row {
         match self {
             Self::Sqlite(row) => T::from_sqlite(row, place),
             Self::Postgres(row) => T::from_postgres(row, place)?
-                .ok_or_else(|| undecoded(row, place, Box::new(sqlx::error::UnexpectedNullError))),
+                .ok_or_else(|| column_error(row, place, Box::new(sqlx::error::UnexpectedNullError))),
         }
     }
 
@@ -87,7 +87,7 @@ impl Row {
 }
 
 /// Names the column of a value that is none of the type that was asked for.
-fn undecoded(row: &PgRow, place: usize, source: BoxDynError) -> Error {
+pub(in crate::store) fn column_error<R: sqlx::Row>(row: &R, place: usize, source: BoxDynError) -> Error {
     let index =
         row.columns().get(place).map_or_else(|| place.to_string(), |column| format!("{:?}", column.name()));
     Error::ColumnDecode { index, source }
@@ -121,7 +121,7 @@ macro_rules! integers {
 
             fn from_postgres(row: &PgRow, place: usize) -> Result<Option<Self>, Error> {
                 let number = integer(row, place)?.map(Self::try_from).transpose();
-                number.map_err(|error| undecoded(row, place, error.into()))
+                number.map_err(|error| column_error(row, place, error.into()))
             }
         })*
     };

@@ -40,6 +40,40 @@ impl Value {
     }
 }
 
+/// Values of a statement's parameters, in their order.
+pub(in crate::store) trait Values {
+    fn to_values(self) -> Vec<Value>;
+}
+
+macro_rules! tuples {
+    ($(($($name:ident)+))*) => {
+        $(impl<$($name: ToValue),+> Values for ($($name,)+) {
+            fn to_values(self) -> Vec<Value> {
+                #[expect(non_snake_case, reason = "a value has the name of its type")]
+                let ($($name,)+) = self;
+                vec![$($name.to_value()),+]
+            }
+        })*
+    };
+}
+
+tuples! {
+    (A)
+    (A B)
+    (A B C)
+    (A B C D)
+    (A B C D E)
+    (A B C D E F)
+    (A B C D E F G)
+    (A B C D E F G H)
+    (A B C D E F G H I)
+    (A B C D E F G H I J)
+    (A B C D E F G H I J K)
+    (A B C D E F G H I J K L)
+    (A B C D E F G H I J K L M)
+    (A B C D E F G H I J K L M N)
+}
+
 /// A type whose values a statement takes.
 pub(in crate::store) trait ToValue {
     /// The null of its kind.
