@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::engine::maps::live::{Decision, LiveMap};
-use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service};
 use crate::geometry::Point3;
 use crate::recognition::extensions::changed_signs::{Look, Passage, judge, looks};
@@ -11,12 +10,7 @@ use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Judges the signs of passages that have ended.
-    pub(super) async fn judge_signs(
-        &self,
-        live: &Arc<LiveMap>,
-        manner: Manner,
-        passages: Vec<Passage>,
-    ) -> Result<()> {
+    pub(super) async fn judge_signs(&self, live: &Arc<LiveMap>, passages: Vec<Passage>) -> Result<()> {
         let passages = Arc::new(passages);
         let ended = passages.clone();
         let (_, looks) = self.look(live, move |state| Ok(looks(&state.index, &ended))).await?;
@@ -25,7 +19,7 @@ impl Service {
             places.push(self.place_of(live, of_passage).await?);
         }
         let decide = move |index: &mut MapIndex| Ok(Decision::of((), judge(index, &passages, &places)));
-        self.begin(live, manner, decide).await.map(drop)
+        self.change(live, decide).await.map(drop)
     }
 
     /// Returns where a sign would hang as one of these keyframes has it.

@@ -177,7 +177,7 @@ impl Service {
         let (begun, left) = self.begin(live, manner, decide).await?.split();
         if left.suspects.is_some() || !left.passages.is_empty() {
             let (service, live) = (self.clone(), live.clone());
-            let verified = to_its_end(async move { service.verify_what_is_left(&live, manner, left).await });
+            let verified = to_its_end(async move { service.verify_what_is_left(&live, left).await });
             // The keyframe is on its way already, and does not depend on it.
             if let Err(error) = verified.await.flatten() {
                 tracing::warn!(%error, "twins or signs that changed could not be looked for");
@@ -186,17 +186,12 @@ impl Service {
         Ok(begun)
     }
 
-    async fn verify_what_is_left(
-        &self,
-        live: &Arc<LiveMap>,
-        manner: Manner,
-        left: LeftToVerify,
-    ) -> Result<()> {
+    async fn verify_what_is_left(&self, live: &Arc<LiveMap>, left: LeftToVerify) -> Result<()> {
         if let Some(suspects) = left.suspects {
-            self.verify_twins(live, manner, suspects).await?;
+            self.verify_twins(live, suspects).await?;
         }
         if !left.passages.is_empty() {
-            self.judge_signs(live, manner, left.passages).await?;
+            self.judge_signs(live, left.passages).await?;
         }
         Ok(())
     }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use crate::domain::ids::KeyframeSeq;
 use crate::engine::maps::live::{Decision, LiveMap, State};
-use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service};
 use crate::recognition::extensions::twins::{Suspects, are_looked_for, keep, suspects};
 use crate::recognition::map::index::MapIndex;
@@ -25,18 +24,13 @@ impl Service {
         let Some(bow) = self.store.bow(live.key, keyframe).await? else { return Ok(()) };
         let look = move |state: &State| Ok(suspects(&state.index, keyframe, &bow));
         match self.look(live, look).await? {
-            (_, Some(suspects)) => self.verify_twins(live, Manner::Prompt, suspects).await,
+            (_, Some(suspects)) => self.verify_twins(live, suspects).await,
             (_, None) => Ok(()),
         }
     }
 
     /// Has geometry look at suspects, and keeps the first that is a twin.
-    pub(super) async fn verify_twins(
-        &self,
-        live: &Arc<LiveMap>,
-        manner: Manner,
-        suspects: Suspects,
-    ) -> Result<()> {
+    pub(super) async fn verify_twins(&self, live: &Arc<LiveMap>, suspects: Suspects) -> Result<()> {
         // The features of whatever was decided before are read from the disk.
         live.on_disk(&self.store, live.newest_version()).await?;
         let suspects = Arc::new(suspects);
@@ -45,7 +39,7 @@ impl Service {
             let looking = suspects.clone();
             if let Some(twins) = self.verify(Some(live.key), move || looking.verify(at, &features)).await? {
                 let decide = move |index: &mut MapIndex| Ok(Decision::of((), keep(index, twins)));
-                return self.begin(live, manner, decide).await.map(drop);
+                return self.change(live, decide).await.map(drop);
             }
         }
         Ok(())

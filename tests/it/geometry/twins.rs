@@ -105,6 +105,29 @@ async fn twins_are_named_and_last_as_long_as_their_signs_and_keyframes() {
 }
 
 #[tokio::test]
+async fn twins_are_a_version_of_their_own_and_the_same_however_keyframes_are_sent() {
+    let server = Server::start().await;
+    floors(&server, &geometry_alone(), ["901", "902"]).await;
+    let one_by_one = server.get("/v1/maps/m").await.expect(200);
+    assert_eq!(one_by_one["twins"].as_array().unwrap().len(), 1, "{one_by_one}");
+    // The map, its four keyframes, and the twins.
+    assert_eq!(one_by_one["version"], 1 + 4 + 1, "{one_by_one}");
+
+    server.put("/v1/maps/bulk", &json!({"settings": geometry_alone()})).await.expect(201);
+    let lines = [("a", "901"), ("b", "902")].into_iter().flat_map(|(session, plate)| {
+        (0..2).map(move |nth| {
+            let mut line = seen(session, plate, nth);
+            line["id"] = json!(format!("{session}-{nth}"));
+            format!("{line}\n")
+        })
+    });
+    let body: String = lines.collect();
+    server.send(Method::POST, "/v1/maps/bulk/keyframes", "application/x-ndjson", body).await.expect(200);
+    let at_once = server.get("/v1/maps/bulk").await.expect(200);
+    assert_eq!((&at_once["twins"], &at_once["version"]), (&one_by_one["twins"], &one_by_one["version"]));
+}
+
+#[tokio::test]
 async fn a_description_by_hand_shows_twins_too() {
     let server = Server::start().await;
     // A plate that nobody could read twice alike.
