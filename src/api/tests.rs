@@ -93,7 +93,19 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<semantics::LevelAnswer>(&examples::information());
     is_shape::<semantics::MergeAnswer>(&examples::merged_text());
     is_shape::<usage::Usage>(&examples::usage());
-    is_shape::<problem::ProblemView>(&examples::problem());
+    is_shape::<problem::ProblemView>(&json!({
+        "type": "/docs#problem-invalid",
+        "title": "The body does not mean what it should",
+        "status": 422,
+        "detail": "2 fields are wrong",
+        "code": "invalid",
+        "request_id": "6c0f2a9e51d34b77-1f",
+        "errors": [
+            {"pointer": "/pose/rotation", "detail": "not a unit quaternion: its norm is 0",
+             "got": "an object of 4 fields", "limit": "a norm of 1, within 1 %"},
+            {"pointer": "/stamp", "detail": "the field is required"}
+        ]
+    }));
 }
 
 fn faults(body: &Value) -> Vec<String> {

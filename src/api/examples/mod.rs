@@ -9,6 +9,7 @@ mod location;
 mod loops;
 mod maps;
 mod operations;
+mod parts;
 
 pub use anchors::*;
 pub use judgements::*;
