@@ -93,13 +93,13 @@ pub struct KeyView {
     #[from(of.properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6))]
     pub model_daily_usd: Option<f64>,
     /// When the server that answers was last asked with it; left out if it was not since that server started.
-    #[from(None::<Stamp>)]
+    #[is(None)]
     pub last_used: Option<Time>,
     /// The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and kept nowhere.
-    #[from(None::<String>)]
+    #[is(None)]
     pub secret: Option<String>,
     /// The consequences, if this is the server's first key.
-    #[from(None::<String>)]
+    #[is(None)]
     pub notice: Option<String>,
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use super::anchor::{AnchorPatch, AnchorPatchBody, AnchorView, LocalAnchorMap};
+use super::anchor::{AnchorPatchBody, AnchorView, LocalAnchorMap};
 use super::decoding::base64;
 use super::decoding::document::Document;
 use super::decoding::read::{self, Decode};
@@ -49,7 +49,7 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     is_body::<PosesBody, PoseCorrection>(&examples::poses_body());
     is_body::<ObservationsBody, ChangedObservations>(&examples::observations_body());
     is_body::<MergeBody, MergeFields>(&examples::merge_body());
-    is_body::<AnchorPatchBody, AnchorPatch>(&examples::anchor_patch());
+    is_body::<AnchorPatchBody, AnchorPatchBody>(&examples::anchor_patch());
     is_body::<semantics::TextPair, semantics::TextPair>(&examples::text_pair());
     is_body::<semantics::OneText, semantics::OneText>(&examples::one_text());
     is_shape::<KeyframeBody>(&examples::keyframe_body());

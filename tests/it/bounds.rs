@@ -1,6 +1,6 @@
 //! Bounds: what the API document promises of a body, the server's reader holds it to, field by field.
 
-use revisit::api::anchor::AnchorPatch;
+use revisit::api::anchor::AnchorPatchBody;
 use revisit::api::decoding::document::Document;
 use revisit::api::decoding::read;
 use revisit::api::semantics::{OneText, TextPair};
@@ -160,7 +160,7 @@ fn the_other_bodies_are_held_to_the_document() {
     check("LoopBody", &examples::loop_body(), &faults::<NewLoop>);
     check("ObservationsBody", &examples::observations_body(), &faults::<ChangedObservations>);
     check("PosesBody", &examples::poses_body(), &faults::<PoseCorrection>);
-    check("AnchorPatchBody", &examples::anchor_patch(), &faults::<AnchorPatch>);
+    check("AnchorPatchBody", &examples::anchor_patch(), &faults::<AnchorPatchBody>);
     check("TextPair", &examples::text_pair(), &faults::<TextPair>);
     check("OneText", &examples::one_text(), &faults::<OneText>);
 }

@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode, Members, Node};
 use crate::api::names::{AnchorStateName, DetailName, ReasonCodeName, VerdictName};
+use crate::api::trajectory::TrajectoryFormat;
 use crate::domain::ids::{ReleaseName, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::request::{AnchorFilter, Detail, PageRequest};
@@ -148,8 +149,8 @@ pub struct Since {
 pub struct KeyframeParams {
     /// `loop`: return the answer of a loop query in the same round trip.
     #[param(value_type = Option<String>, pattern = "^loop$")]
-    #[read(ask_loop)]
-    pub query: Option<AskLoop>,
+    #[read(|node: &Node<'_>| node.one_of([("loop", ())]))]
+    pub query: Option<()>,
     /// How much of that answer is returned.
     #[param(inline)]
     pub detail: Option<DetailName>,
@@ -170,18 +171,61 @@ impl DetailParams {
     }
 }
 
-/// The only query that a PUT supports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AskLoop;
-
-fn ask_loop(node: &Node<'_>) -> Option<AskLoop> {
-    node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop))
-}
-
 /// Whether the last administrator key may be revoked.
 #[params]
 pub struct LastAdmin {
     /// Revoke the key even if no administrator key is left; then only `revisit keys create` creates one.
     #[param(default = false)]
     pub last_admin: bool,
+}
+
+/// The release that is read, if one was named.
+#[params]
+pub struct ReleaseQuery {
+    /// The release that is read; left out: the map as it stands.
+    #[id]
+    pub release: Option<ReleaseName>,
+}
+
+/// The two versions that are compared.
+#[params]
+pub struct ChangesQuery {
+    /// The release that is the earlier version.
+    #[id]
+    pub since: ReleaseName,
+    /// The release that is the later version; left out: the map as it stands.
+    #[id]
+    pub until: Option<ReleaseName>,
+    /// Maximum number of items of each change.
+    #[param(minimum = 1, maximum = 1000, default = 100)]
+    pub limit: usize,
+}
+
+/// The session in whose frame the others are, if one was chosen.
+#[params]
+pub struct FramesQuery {
+    /// The session in whose frame the others are; left out: the oldest of those that most sessions are joined with.
+    #[id]
+    pub reference: Option<SessionId>,
+}
+
+/// The trajectory to export, and its format.
+#[params]
+pub struct TrajectoryQuery {
+    /// `tum`, `kitti` or `g2o`.
+    #[param(value_type = String, pattern = "^(tum|kitti|g2o)$", example = "tum")]
+    #[read(|node: &Node<'_>| node.one_of(TrajectoryFormat::NAMED))]
+    pub format: TrajectoryFormat,
+    /// Only this session; required for `tum` and `kitti` if the map has several.
+    #[id]
+    #[param(example = "robot-7")]
+    pub session: Option<SessionId>,
+    /// `session`: each session in its own frame, which is the default. `fleet`: all sessions that loops and plans join, in the frame of
+    /// one of them (`GET .../frames`); `tum` and `kitti` then take several sessions, each after a comment with its name; comments name those that nothing joins.
+    #[param(value_type = Option<String>, pattern = "^(session|fleet)$")]
+    #[read(|node: &Node<'_>| node.one_of([("session", false), ("fleet", true)]))]
+    pub frame: Option<bool>,
+    /// With `frame=fleet`, the session in whose frame all are.
+    #[id]
+    pub reference: Option<SessionId>,
 }

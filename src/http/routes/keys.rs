@@ -11,6 +11,7 @@ use crate::domain::key::{Key, KeyProperties};
 use crate::engine::Service;
 use crate::engine::keys::access::Access;
 use crate::engine::keys::lockout::Lockout;
+use crate::http::answer::Answer;
 use crate::http::error_responses::{OfKey, OfList, OfRevocation, OfWrite};
 use crate::http::extract::body::Body;
 use crate::http::extract::path::KeyPath;
@@ -25,10 +26,7 @@ use crate::http::problem::{Kind, Problem};
     get, path = "/v1/keys", tag = "keys", params(Paging), security(("key" = ["admin"])),
     responses((status = 200, description = "One page of the list", body = KeyList, example = key::example_list), OfList)
 )]
-pub async fn list_keys(
-    State(service): State<Service>,
-    Query(page): Query<Paging>,
-) -> Result<Json<KeyList>, Problem> {
+pub async fn list_keys(State(service): State<Service>, Query(page): Query<Paging>) -> Answer<KeyList> {
     let keys = service.keys().page(page.into())?;
     let uses = service.keys().uses();
     let view = |key: Key| {
@@ -49,7 +47,7 @@ pub async fn list_keys(
     get, path = "/v1/keys/me", tag = "keys", security(("key" = [])),
     responses((status = 200, description = "The key", body = KeyView, example = key::example_robots), OfKey)
 )]
-pub async fn get_own_key(caller: Caller) -> Result<Json<KeyView>, Problem> {
+pub async fn get_own_key(caller: Caller) -> Answer<KeyView> {
     match caller.0 {
         Access::Key(held) => Ok(Json(held.key.clone().into())),
         Access::Open => {
