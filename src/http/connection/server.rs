@@ -152,11 +152,11 @@ impl Connections {
         let claimed = match self.app.slots.claim() {
             SlotClaim::Free(permit) => Some(permit),
             SlotClaim::Instead => {
-                self.app.metrics.shed_metrics.connection("evicted");
+                self.app.metrics.connection("evicted");
                 None
             }
             SlotClaim::Full => {
-                self.app.metrics.shed_metrics.connection("refused");
+                self.app.metrics.connection("refused");
                 if self.complaints.check().is_ok() {
                     tracing::warn!(
                         "all connections are in use, and new ones are rejected (--max-connections)"
@@ -168,7 +168,7 @@ impl Connections {
                 return;
             }
         };
-        self.app.metrics.shed_metrics.connection("accepted");
+        self.app.metrics.connection("accepted");
         let server = self.clone();
         self.open.spawn(async move {
             let Some(seat) = server.app.slots.acquire(claimed).await else { return };

@@ -55,16 +55,13 @@ impl FromRequest<App> for KeyframeInPath {
 
     async fn from_request(mut request: Request, app: &App) -> Result<Self, Problem> {
         let place: KeyframePath = request.extract_parts().await?;
-        let text = json_text(request, app).await?;
         let id = place.keyframe.clone();
         let read = move |document: &Document<'_>| {
             let body = document.root();
             keyframe::named(body, &id).map_err(|faults| Faulty::of(faults, Some(body)))
         };
-        match decoded(text, app, read).await? {
-            Ok(SentKeyframe { keyframe, digest }) => Ok(Self { place, keyframe, digest }),
-            Err(faulty) => Err(all_faults(app, &place.map, "", faulty).await),
-        }
+        let SentKeyframe { keyframe, digest } = checked_by_map(request, app, &place.map, "", read).await?;
+        Ok(Self { place, keyframe, digest })
     }
 }
 
@@ -81,14 +78,26 @@ impl FromRequest<App> for QueryOfMap {
 
     async fn from_request(mut request: Request, app: &App) -> Result<Self, Problem> {
         let MapPath { map } = request.extract_parts().await?;
-        let text = json_text(request, app).await?;
         let read = |document: &Document<'_>| {
             read::decode(document).map_err(|faults| Faulty::of(faults, document.root().get("inline")))
         };
-        match decoded(text, app, read).await? {
-            Ok(query) => Ok(Self { map, query }),
-            Err(faulty) => Err(all_faults(app, &map, "/inline", faulty).await),
-        }
+        let query = checked_by_map(request, app, &map, "/inline", read).await?;
+        Ok(Self { map, query })
+    }
+}
+
+/// Reads a body with a keyframe at `place`, and tells all of its faults.
+async fn checked_by_map<T: Send + 'static>(
+    request: Request,
+    app: &App,
+    map: &MapId,
+    place: &str,
+    read: impl FnOnce(&Document<'_>) -> Result<T, Faulty> + Send + 'static,
+) -> Result<T, Problem> {
+    let text = json_text(request, app).await?;
+    match decoded(text, app, read).await? {
+        Ok(read) => Ok(read),
+        Err(faulty) => Err(all_faults(app, map, place, faulty).await),
     }
 }
 
@@ -187,7 +196,7 @@ pub async fn decoded<T: Send + 'static>(
 /// Counts a body shed for lack of memory.
 fn count(app: &App, problem: &Problem) {
     if problem.is_overload() {
-        app.metrics.shed_metrics.shed("body");
+        app.metrics.shed("body");
     }
 }
 

@@ -87,7 +87,7 @@ pub async fn get_version(State(service): State<Service>) -> Answer<Version> {
     )
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
-    app.metrics.shed_metrics.now(app.slots.open(), app.service.pressure().working());
+    app.metrics.open_now(app.slots.open(), app.service.pressure().working());
     // Nothing here waits for the database or another request, because operators need metrics most under load.
     let figures = Figures {
         stats: app.service.stats(),
