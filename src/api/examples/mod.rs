@@ -5,6 +5,7 @@
 mod anchors;
 mod judgements;
 mod keyframes;
+mod keys;
 mod location;
 mod loops;
 mod maps;
@@ -14,6 +15,7 @@ mod parts;
 pub use anchors::*;
 pub use judgements::*;
 pub use keyframes::*;
+pub use keys::*;
 pub use location::*;
 pub use loops::*;
 pub use maps::*;

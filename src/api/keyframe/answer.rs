@@ -24,7 +24,7 @@ const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the r
     covisibility_max_way_m";
 
 /// A keyframe is stored.
-#[answer]
+#[answer(of = KeyframeReport)]
 pub struct KeyframeAnswer {
     /// Its id.
     pub keyframe: String,
@@ -33,11 +33,13 @@ pub struct KeyframeAnswer {
     /// How many keyframes are covisible with it.
     pub covisible: usize,
     /// The consequence of it, where nothing joins it with the others of its session; else left out.
+    #[is(of.is_cut_off.then(|| CUT_OFF.to_owned()))]
     pub notice: Option<String>,
     /// What became of its detections, in their order.
     pub detections: Vec<OutcomeView>,
     /// The answer to the loop query, if the request asked it.
     #[serde(rename = "loop")]
+    #[is(None)]
     pub loop_answer: Option<LoopAnswer>,
 }
 
@@ -165,21 +167,8 @@ pub struct CovisibleView {
     pub shared: u32,
 }
 
-impl From<KeyframeReport> for KeyframeAnswer {
-    fn from(report: KeyframeReport) -> Self {
-        Self {
-            keyframe: report.keyframe.to_string(),
-            map_version: report.map_version,
-            covisible: report.covisible,
-            notice: report.is_cut_off.then(|| CUT_OFF.to_owned()),
-            detections: report.detections.into_iter().map(OutcomeView::from).collect(),
-            loop_answer: None,
-        }
-    }
-}
-
-impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
-    fn from((outcome, state): (Outcome, Option<AnchorState>)) -> Self {
+impl Shown<(Outcome, Option<AnchorState>)> for OutcomeView {
+    fn shown((outcome, state): (Outcome, Option<AnchorState>)) -> Self {
         let (outcome, anchor, reason) = match outcome {
             Outcome::Created(anchor) => (OutcomeName::Created, Some(anchor.public()), None),
             Outcome::Observed(anchor) => (OutcomeName::Observed, Some(anchor.public()), None),
@@ -221,7 +210,7 @@ impl KeyframeView {
 
 impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
     fn from((detection, outcome): (Detection, (Outcome, Option<AnchorState>))) -> Self {
-        let OutcomeView { anchor, outcome, reason, state } = outcome.into();
+        let OutcomeView { anchor, outcome, reason, state } = OutcomeView::shown(outcome);
         Self {
             class: detection.class,
             confidence: detection.confidence,

@@ -3,7 +3,6 @@
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use revisit_shapes::params;
-use serde_json::Value;
 
 use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode, Members, Node};
@@ -23,16 +22,15 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the query is not percent-encoded UTF-8");
-        let pairs =
+        let mut pairs =
             axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
         let again = |at: usize| pairs[..at].iter().any(|(name, _)| *name == pairs[at].0);
         if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
             return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
         }
         // Decoded as an object of strings, so that bodies and parameters share one error reporter.
-        let object =
-            Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
-        read::decode(&Document::from(&object)).map(Self).map_err(|mut faults| {
+        pairs.sort_unstable();
+        read::decode(&Document::of_texts(&pairs)).map(Self).map_err(|mut faults| {
             for fault in &mut faults {
                 fault.pointer.replace_range(..fault.pointer.len().min(1), "?");
             }

@@ -4,7 +4,8 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 
-use crate::api::key::{self, KeyBody, KeyView};
+use crate::api::examples;
+use crate::api::key::{KeyBody, KeyView};
 use crate::api::list::KeyList;
 use crate::api::space::Time;
 use crate::domain::key::{Key, KeyProperties};
@@ -24,7 +25,7 @@ use crate::http::problem::{Kind, Problem};
 /// In order of creation, including revoked ones. Secrets are not stored.
 #[utoipa::path(
     get, path = "/v1/keys", tag = "keys", params(Paging), security(("key" = ["admin"])),
-    responses((status = 200, description = "One page of the list", body = KeyList, example = key::example_list), OfList)
+    responses((status = 200, description = "One page of the list", body = KeyList, example = examples::keys), OfList)
 )]
 pub async fn list_keys(State(service): State<Service>, Query(page): Query<Paging>) -> Answer<KeyList> {
     let keys = service.keys().page(page.into())?;
@@ -45,7 +46,7 @@ pub async fn list_keys(State(service): State<Service>, Query(page): Query<Paging
 /// What it may do, and with which maps. A server that requires no key answers 404.
 #[utoipa::path(
     get, path = "/v1/keys/me", tag = "keys", security(("key" = [])),
-    responses((status = 200, description = "The key", body = KeyView, example = key::example_robots), OfKey)
+    responses((status = 200, description = "The key", body = KeyView, example = examples::robots_key), OfKey)
 )]
 pub async fn get_own_key(caller: Caller) -> Answer<KeyView> {
     match caller.0 {
@@ -63,9 +64,9 @@ pub async fn get_own_key(caller: Caller) -> Answer<KeyView> {
 /// expiry (else 409). `revisit keys create` creates keys directly in the database, to regain access.
 #[utoipa::path(
     post, path = "/v1/keys", tag = "keys", security(("key" = ["admin"])),
-    request_body(content = KeyBody, example = key::example_body),
+    request_body(content = KeyBody, example = examples::key_body),
     responses(
-        (status = 201, description = "The key, and its secret", body = KeyView, example = key::example_made),
+        (status = 201, description = "The key, and its secret", body = KeyView, example = examples::made_key),
         OfWrite
     )
 )]
