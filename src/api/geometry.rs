@@ -1,6 +1,8 @@
 //! Geometry: the figures of the last check, and the transformation that a client closes the loop with.
 
 use revisit_shapes::answer;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::{Error as Unnamed, StrDeserializer};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -81,14 +83,8 @@ impl GeometryModel {
     }
 
     fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "sim3" => Self::Sim3,
-            "se3" => Self::Se3,
-            "essential" => Self::Essential,
-            "homography" => Self::Homography,
-            "rotation" => Self::Rotation,
-            _ => return None,
-        })
+        let name: StrDeserializer<'_, Unnamed> = name.into_deserializer();
+        Self::deserialize(name).ok()
     }
 }
 
