@@ -72,7 +72,8 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
         return Ok(here(&app, &map, min_version, request, next).await);
     };
     let is_from_peer = forwarded.as_ref().is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
-    let node = match if is_from_peer { Route::Here } else { app.service.route(&map).await? } {
+    let to = if is_from_peer { Route::Here } else { app.service.route(&map).await? };
+    let node = match to {
         Route::Here => return Ok(with_owner(here(&app, &map, min_version, request, next).await, address)),
         // Meant for a server that was here before, or made up: sent on, it could come back.
         Route::At(_) if forwarded.is_some() => {

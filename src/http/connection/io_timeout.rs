@@ -49,7 +49,7 @@ pub async fn overdue(seat: &ConnectionSlot, limits: &LimitArgs) {
     }
 }
 
-/// A stream with the timeouts of its server.
+/// A stream with the timeouts of its server, on which every error response has a problem document.
 pub struct TimeoutStream {
     stream: TcpStream,
     seat: Arc<ConnectionSlot>,

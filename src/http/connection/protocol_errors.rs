@@ -8,6 +8,7 @@ use std::pin::Pin;
 use std::task::{Context, Poll, ready};
 
 use axum::http::StatusCode;
+use bytes::{Buf as _, Bytes};
 use tokio::io::AsyncWrite as _;
 use tokio::net::TcpStream;
 
@@ -23,13 +24,8 @@ const STATUS: std::ops::Range<usize> = 9..12;
 pub struct ProtocolErrors {
     /// The number of requests delivered when the last response was completely written.
     settled: u64,
-    instead: Option<Instead>,
-}
-
-/// The replacement of a response of hyper's.
-struct Instead {
-    bytes: Vec<u8>,
-    written: usize,
+    /// The rest of what replaces a response of hyper's.
+    instead: Option<Bytes>,
 }
 
 impl ProtocolErrors {
@@ -52,14 +48,14 @@ impl ProtocolErrors {
         if !answers_no_request {
             return stream.poll_write_vectored(cx, of_hyper);
         }
-        let instead = self.instead.get_or_insert_with(|| {
+        let rest = self.instead.get_or_insert_with(|| {
             let hypers = of_hyper.iter().flat_map(|slice| slice.iter().copied()).collect();
-            Instead { bytes: to_problem(hypers), written: 0 }
+            to_problem(hypers).into()
         });
-        while let Some(rest) = instead.bytes.get(instead.written..).filter(|rest| !rest.is_empty()) {
+        while !rest.is_empty() {
             match ready!(stream.as_mut().poll_write(cx, rest))? {
                 0 => return Poll::Ready(Err(io::ErrorKind::WriteZero.into())),
-                written => instead.written += written,
+                written => rest.advance(written),
             }
         }
         Poll::Ready(Ok(of_hyper.iter().map(|slice| slice.len()).sum()))
