@@ -40,8 +40,14 @@ use syn::{Data, DeriveInput, Fields, Ident, Path, Token, Type};
 pub fn answer(model: TokenStream, item: TokenStream) -> TokenStream {
     let arguments = syn::parse::<Arguments>(model);
     expand(item, |shape| {
+        let Arguments { decoded: None, model, sent: None } = arguments? else {
+            return Err(syn::Error::new_spanned(
+                &shape.input.ident,
+                "an answer is made of a model, and not read",
+            ));
+        };
         let json = shape.json(&quote!());
-        let of_model = arguments?.model.map(|model| shape.made_of(&model));
+        let of_model = model.map(|model| shape.made_of(&model));
         Ok(quote!(#json #of_model))
     })
 }
