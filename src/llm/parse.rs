@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::port::{Fault, Question};
+use crate::domain::judgement::TextFunction;
 use crate::semantics::{self, Embedding};
 
 /// Maximum characters of a description.
@@ -16,8 +17,10 @@ const QUESTION_CHARS_MAX: usize = 300;
 /// Checks that an answer is usable; one that fails is neither cached nor used.
 pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     match question {
-        Question::Similarity { .. } | Question::Information { .. } => level(content).map(drop),
-        Question::Merge { .. } | Question::Summary { .. } => text(content).map(drop),
+        Question::Texts { function: TextFunction::Merge, .. } | Question::Summary { .. } => {
+            text(content).map(drop)
+        }
+        Question::Texts { .. } => level(content).map(drop),
         Question::NextQuestion { .. } => next_question(content).map(drop),
         Question::Look { .. } => look(content).map(drop),
         Question::Embed { .. } => embedding(content).map(drop),

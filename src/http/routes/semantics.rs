@@ -26,7 +26,7 @@ pub async fn similarity(
     Body(pair): Body<TextPair>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.similarity(&caller.0, class, &pair.a, &pair.b).await)))
+    Ok(Json(level(service.judge(&caller.0).similarity(class, &pair.a, &pair.b).await)))
 }
 
 /// InformationLevel of a description
@@ -43,7 +43,7 @@ pub async fn information(
     Body(one): Body<OneText>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = one.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.information(&caller.0, class, &one.text).await)))
+    Ok(Json(level(service.judge(&caller.0).information(class, &one.text).await)))
 }
 
 /// MergeText of two descriptions
@@ -60,7 +60,7 @@ pub async fn merge_text(
     Body(pair): Body<TextPair>,
 ) -> Result<Json<MergeAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    let merged = service.merge_text(&caller.0, class, &pair.a, &pair.b).await;
+    let merged = service.judge(&caller.0).merge(class, &pair.a, &pair.b).await;
     let (text, source) = (merged.text, merged.source);
     Ok(Json(MergeAnswer { text, source, cached: merged.cached, degraded: merged.degraded }))
 }
