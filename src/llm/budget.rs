@@ -30,7 +30,7 @@ struct Books {
     day: BTreeMap<i64, Totals>,
     /// By operation and model, since the database was created.
     ever: BTreeMap<(String, String), Totals>,
-    /// Cache hits not yet written; they are stored with the next call.
+    /// Cache hits of them that are not yet written; they are stored with the next call.
     unwritten_hits: BTreeMap<(String, String), i64>,
 }
 

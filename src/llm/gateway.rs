@@ -2,7 +2,7 @@
 //! completed, because it is paid for.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use backon::{ExponentialBuilder, Retryable as _};
@@ -169,7 +169,7 @@ impl Gateway {
         }
         let _slot = self.shared.calls.acquire().await.map_err(|_| Fault::Away)?;
         let admission = self.breaker.admit()?;
-        let unusable = AtomicU32::new(0);
+        let mut unusable = 0;
         let pauses = ExponentialBuilder::default()
             .with_jitter()
             .with_min_delay(Duration::from_millis(self.shared.args.model_retry_delay_ms))
@@ -179,9 +179,8 @@ impl Gateway {
             .retry(pauses)
             .when(Fault::is_passing)
             .adjust(|fault, pause| {
-                let garbled = matches!(fault, Fault::Garbled(_));
-                let seen = unusable.fetch_add(u32::from(garbled), Ordering::Relaxed) + u32::from(garbled);
-                pause_after(fault, pause, seen)
+                unusable += u32::from(matches!(fault, Fault::Garbled(_)));
+                pause_after(fault, pause, unusable)
             })
             .await;
         match &answered {
