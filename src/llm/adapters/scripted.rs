@@ -11,10 +11,12 @@ use crate::llm::port::{Fault, Model, Question, Reply, Role};
 use crate::llm::prompts::prompt;
 use crate::semantics::{self, Text};
 
+type Script = dyn Fn(&Question) -> Result<String, Fault> + Send + Sync;
+
 /// A model that follows a script; its tokens are estimated from the real prompts.
 pub struct Scripted {
     name: String,
-    script: Box<dyn Fn(&Question) -> Result<String, Fault> + Send + Sync>,
+    script: Box<Script>,
 }
 
 /// English text has about four characters per token.
