@@ -10,7 +10,6 @@ use crate::http::error_responses::OfQuestion;
 use crate::http::extract::body::Body;
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
-use crate::llm::judge::Judged;
 
 /// SimilarityLevel of two descriptions
 ///
@@ -26,7 +25,7 @@ pub async fn similarity(
     Body(pair): Body<TextPair>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.judge(&caller.0).similarity(class, &pair.a, &pair.b).await)))
+    Ok(Json(service.judge(&caller.0).similarity(class, &pair.a, &pair.b).await.into()))
 }
 
 /// InformationLevel of a description
@@ -43,7 +42,7 @@ pub async fn information(
     Body(one): Body<OneText>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = one.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.judge(&caller.0).information(class, &one.text).await)))
+    Ok(Json(service.judge(&caller.0).information(class, &one.text).await.into()))
 }
 
 /// MergeText of two descriptions
@@ -60,12 +59,5 @@ pub async fn merge_text(
     Body(pair): Body<TextPair>,
 ) -> Result<Json<MergeAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    let merged = service.judge(&caller.0).merge(class, &pair.a, &pair.b).await;
-    let (text, source) = (merged.text, merged.source);
-    Ok(Json(MergeAnswer { text, source, cached: merged.cached, degraded: merged.degraded }))
-}
-
-fn level(judged: Judged) -> LevelAnswer {
-    let Judged { level, source, reason, cached, degraded } = judged;
-    LevelAnswer { level, source, reason, cached, degraded }
+    Ok(Json(service.judge(&caller.0).merge(class, &pair.a, &pair.b).await.into()))
 }
