@@ -67,6 +67,6 @@ impl Client {
     /// Reads the image of an anchor, a PNG or JPEG file.
     pub async fn crop(&self, map: &str, anchor: &str) -> Result<Bytes, ClientError> {
         let path = ["v1", "maps", map, "anchors", anchor, "crop"];
-        Ok(self.send(Method::GET, &path, &[], None::<&()>).await?.bytes())
+        Ok(self.ask(Method::GET, &path, &[]).await?.bytes())
     }
 }

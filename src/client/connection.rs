@@ -50,10 +50,9 @@ impl Client {
         Ok(Self { http, base_url, key: None })
     }
 
-    /// Returns the same client, showing an API key as `authorization: Bearer ...`.
-    pub fn with_key(mut self, key: impl Into<String>) -> Self {
-        self.key = Some(key.into());
-        self
+    /// Returns the same client, showing an API key, if there is one, as `authorization: Bearer ...`.
+    pub fn with_key(self, key: impl Into<Option<String>>) -> Self {
+        Self { key: key.into(), ..self }
     }
 
     /// Returns the server's address, without a slash at the end.
@@ -67,12 +66,17 @@ impl Client {
         path: &[&str],
         query: &[(&str, &str)],
     ) -> Result<T, ClientError> {
-        self.send(Method::GET, path, query, None::<&()>).await?.decode()
+        self.ask(Method::GET, path, query).await?.decode()
     }
 
-    /// DELETE of a resource; the answer is read where there is one.
-    pub(super) async fn remove(&self, path: &[&str], query: &[(&str, &str)]) -> Result<Answer, ClientError> {
-        self.send(Method::DELETE, path, query, None::<&()>).await
+    /// Sends a request without a body.
+    pub(super) async fn ask(
+        &self,
+        method: Method,
+        path: &[&str],
+        query: &[(&str, &str)],
+    ) -> Result<Answer, ClientError> {
+        self.send(method, path, query, None::<&()>).await
     }
 
     /// Sends a body, and says whether the same was written before.
@@ -133,7 +137,7 @@ impl Client {
     /// Sends one request and returns its answer; a busy server that names a time is asked again then.
     ///
     /// Asking again is harmless: every write carries an id, and a refused one did nothing.
-    pub(super) async fn send<B: Serialize>(
+    async fn send<B: Serialize>(
         &self,
         method: Method,
         path: &[&str],

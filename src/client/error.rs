@@ -81,7 +81,6 @@ impl From<Problem> for ClientError {
     }
 }
 
-/// "Connection refused" is at the bottom of reqwest's chain; what is above it helps nobody.
 /// An answer of 400 or above, as `application/problem+json` says it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]

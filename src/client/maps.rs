@@ -93,6 +93,6 @@ impl Client {
         let query: Vec<(&str, &str)> =
             [("format", format)].into_iter().chain(session.map(|session| ("session", session))).collect();
         let path = ["v1", "maps", map, "trajectory"];
-        Ok(self.send(Method::GET, &path, &query, None::<&()>).await?.text())
+        Ok(self.ask(Method::GET, &path, &query).await?.text())
     }
 }
