@@ -10,6 +10,7 @@ use super::output::write_out;
 use crate::domain::counted::counted;
 use crate::integrity::check::{IntegrityReport, check};
 use crate::integrity::map_check::MapCheck;
+use crate::store::Holdings;
 use crate::store::files::paths::DatabaseFiles;
 
 /// Maximum faults listed as text; `--json` has them all.
@@ -53,11 +54,7 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
 
 fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
     let mut lines: Vec<String> = checked.maps.iter().map(map_line).collect();
-    if let Some(holds) = checked.holds {
-        let maps = counted(holds.maps, "map");
-        let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
-        lines.push(format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema));
-    }
+    lines.extend(checked.holds.as_ref().map(contents));
     lines.extend(checked.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
     if faults.len() > LISTED {
@@ -67,6 +64,13 @@ fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
         lines.push("sound".to_owned());
     }
     lines.into_iter().map(|line| line + "\n").collect()
+}
+
+/// Returns what a database or a backup has in it, on one line.
+pub(super) fn contents(holds: &Holdings) -> String {
+    let maps = counted(holds.maps, "map");
+    let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
+    format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema)
 }
 
 fn map_line(map: &MapCheck) -> String {
@@ -83,19 +87,11 @@ fn map_line(map: &MapCheck) -> String {
 }
 
 fn as_json(checked: &IntegrityReport, faults: &[String]) -> serde_json::Value {
-    let maps: Vec<_> = checked.maps.iter().map(map_json).collect();
     json!({
         "sound": faults.is_empty(),
         "schema": checked.holds.map(|holds| holds.schema),
-        "maps": maps,
+        "maps": checked.maps,
         "faults": faults,
         "notes": checked.notes,
-    })
-}
-
-fn map_json(map: &MapCheck) -> serde_json::Value {
-    json!({
-        "id": map.id, "map_version": map.version, "keyframes": map.keyframes, "anchors": map.anchors,
-        "loops": map.loops, "events": map.events, "faults": map.faults,
     })
 }
