@@ -14,8 +14,8 @@ pub fn loops(kinds: &[Kind], played: &[Played]) -> String {
         "                            by query                                           by visit          false in  sessions joined\n\
          kind           worlds queries   right near wrong  precision (old)  recall     right wrong  of      1,000  that never met\n",
     );
-    let of_kind = |kind: &Kind| Score::of(played.iter().filter(|played| played.kind == kind.name()));
-    let rows = kinds.iter().map(|kind| (kind.name(), of_kind(kind))).chain([("all", Score::of(played))]);
+    let of_kind = |kind: &Kind| Score::of(played.iter().filter(|played| played.kind == *kind));
+    let rows = kinds.iter().map(|kind| (kind.as_str(), of_kind(kind))).chain([("all", Score::of(played))]);
     for (name, score) in rows {
         let precision = percent(score.right, score.right + score.wrong);
         // By the old score what is near is wrong.
@@ -74,7 +74,7 @@ pub fn reliability(played: &[Played]) -> String {
 
 fn cells(bin: &Bin) -> String {
     let said = bin.mean_said().map_or_else(|| "-".to_owned(), |said| format!("{:.1}", 100.0 * said));
-    let (low, high) = bin.interval();
+    let (low, high) = confidence_interval(bin.right, bin.answers);
     let interval = format!("[{:.1} {:.1}]", 100.0 * low, 100.0 * high);
     format!("{:>10}{said:>6}{:>8}{interval:>14}", bin.answers, percent(bin.right, bin.answers))
 }

@@ -8,7 +8,7 @@ use super::rng::SeededRng;
 use super::route::Stop;
 use super::sensing::noise::Noise;
 use super::sensing::ocr;
-use super::sensing::odometry::{drifting_motions, scale_drift};
+use super::sensing::odometry::{drifting_motions, integrate, scale_drift};
 use super::sensing::reader::Reader;
 use super::sensing::sensor::{Feature, take_image};
 use super::sensing::tracking::Tracker;
@@ -121,6 +121,22 @@ impl Sequence {
         });
         Self { steps: steps.collect(), scale_drift }
     }
+
+    /// Returns the true poses of its keyframes, `map_from_camera`.
+    pub fn true_poses(&self) -> Vec<Pose> {
+        self.steps.iter().map(|step| step.stop.stand.map_from_camera()).collect()
+    }
+
+    /// Returns its floor, of several identical-looking ones.
+    pub fn storey(&self) -> usize {
+        self.steps.first().map_or(0, |step| step.stop.storey)
+    }
+}
+
+/// Returns the poses of keyframes by odometry alone, in the frame of the first one's camera.
+pub fn by_odometry(steps: &[Step]) -> Vec<Pose> {
+    let motions: Vec<Pose> = steps.iter().skip(1).map(|step| step.motion).collect();
+    integrate(&motions)
 }
 
 /// Returns the new map points at their depth.

@@ -24,11 +24,8 @@ pub fn map(arm: Method, description: &str) -> MapBody {
     MapBody {
         description: Some(description.to_owned()),
         metric: Some(!arm.is_monocular()),
-        gravity: None,
-        anchor_classes: None,
-        code_classes: None,
         settings: Some(arm.settings()),
-        base: None,
+        ..MapBody::default()
     }
 }
 

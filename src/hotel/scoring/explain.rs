@@ -21,7 +21,7 @@ impl Narrator<'_> {
         let floor = self.scenario.floor_of(robot);
         match self.scenario.course.journeys[robot].steps[number].stop.place {
             Place::Room(room) => format!("room {}", floor.numbers[room]),
-            Place::Corridor if self.scenario.upper.is_empty() => String::from("the corridor"),
+            Place::Corridor if self.scenario.floors.len() == 1 => String::from("the corridor"),
             Place::Corridor => format!("the corridor of room {}", floor.numbers[0]),
         }
     }

@@ -1,6 +1,6 @@
 //! Truth: which earlier keyframes show the same place. It comes from the simulator alone, and no server receives it.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use crate::hotel::robot::slam_map::COVISIBLE_POINTS;
 use crate::hotel::route::heading_difference_rad;
@@ -23,9 +23,9 @@ pub type KeyframeIndex = (usize, usize);
 #[derive(Clone, Debug, Default)]
 pub struct Answerable {
     /// The keyframes at the same place.
-    pub truth: HashSet<KeyframeIndex>,
+    pub truth: BTreeSet<KeyframeIndex>,
     /// The keyframes that are neither correct nor wrong.
-    pub ignore: HashSet<KeyframeIndex>,
+    pub ignore: BTreeSet<KeyframeIndex>,
 }
 
 /// Returns the truth of each keyframe, in temporal order.

@@ -122,7 +122,7 @@ struct Query<'a> {
 impl<'a> Query<'a> {
     fn new(maps: &'a [&'a SlamMap<'a>], (robot, number): KeyframeIndex) -> Self {
         let map = maps[robot];
-        let pose = &map.poses()[number];
+        let pose = map.pose(number);
         let placed = map.point_ids(number).filter_map(|id| map.point(id));
         let points = placed.map(|(place, ..)| pose.inverse_transform(&place)).collect();
         Self { maps, robot, number, image: Image::new(map.features(number)), points }
@@ -163,8 +163,7 @@ impl<'a> Query<'a> {
         let map = self.maps[self.robot];
         let agrees = |neighbour: &usize| {
             let neighbour = Self::new(self.maps, (self.robot, *neighbour));
-            let query_from_neighbour =
-                map.poses()[self.number].inverse().after(&map.poses()[neighbour.number]);
+            let query_from_neighbour = map.pose(self.number).inverse().after(&map.pose(neighbour.number));
             let candidate_from_neighbour = found.candidate_from_query.after(&query_from_neighbour);
             let window = neighbour.window(found.candidate);
             let seen = neighbour.image.search(&window, &candidate_from_neighbour, Search::NEIGHBOURS);
@@ -187,8 +186,8 @@ impl<'a> Query<'a> {
     }
 
     fn found_later(&self, pending: &Pending) -> Option<(Pose, usize)> {
-        let poses = self.maps[self.robot].poses();
-        let last_from_query = poses[pending.last].inverse().after(&poses[self.number]);
+        let map = self.maps[self.robot];
+        let last_from_query = map.pose(pending.last).inverse().after(&map.pose(self.number));
         let candidate_from_query = pending.latest.candidate_from_query.after(&last_from_query);
         let window = self.window(pending.latest.candidate);
         let search = |transform: &Pose| self.image.search(&window, transform, Search::NEIGHBOURS);
