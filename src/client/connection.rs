@@ -64,7 +64,7 @@ impl Client {
     pub(super) async fn read<T: DeserializeOwned>(
         &self,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
     ) -> Result<T, ClientError> {
         self.ask(Method::GET, path, query).await?.decode()
     }
@@ -74,7 +74,7 @@ impl Client {
         &self,
         method: Method,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
     ) -> Result<Answer, ClientError> {
         self.send(method, path, query, None::<&()>).await
     }
@@ -84,7 +84,7 @@ impl Client {
         &self,
         method: Method,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         body: &impl Serialize,
     ) -> Result<Written<T>, ClientError> {
         let answer = self.send(method, path, query, Some(body)).await?;
@@ -115,7 +115,7 @@ impl Client {
     pub(super) async fn pieces(
         &self,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         timeout: Duration,
         mut take: impl FnMut(&str, &[u8]) -> Result<ControlFlow<()>, ClientError>,
     ) -> Result<(), ClientError> {
@@ -141,7 +141,7 @@ impl Client {
         &self,
         method: Method,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         body: Option<&B>,
     ) -> Result<Answer, ClientError> {
         let url = address::url(&self.base_url, path, query)?;
@@ -210,7 +210,7 @@ impl Answer {
         let replayed = response.headers().contains_key(IDEMPOTENT_REPLAYED);
         let body = response.bytes().await.map_err(|source| ClientError::transport(&url, source))?;
         if !status.is_success() {
-            return Err(Problem::read(status, &url, &body).into());
+            return Err(Box::new(Problem::read(status, &url, &body)).into());
         }
         Ok(Self { url, replayed, body })
     }

@@ -75,12 +75,6 @@ impl ClientError {
     }
 }
 
-impl From<Problem> for ClientError {
-    fn from(problem: Problem) -> Self {
-        Self::Problem(Box::new(problem))
-    }
-}
-
 /// An answer of 400 or above, as `application/problem+json` says it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]

@@ -33,7 +33,7 @@ macro_rules! operation {
             $($id: &str,)*
             page: &$crate::client::Page,
         ) -> Result<$answer, $crate::client::ClientError> {
-            self.read(&[$($step),+], &$crate::client::maps::borrowed(&page.parameters())).await
+            self.read(&[$($step),+], &page.parameters()).await
         }
     };
     (put $($row:tt)+) => { $crate::client::operation::operation! { write PUT $($row)+ } };
