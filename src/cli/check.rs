@@ -41,11 +41,8 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
     };
     let checked = check(&files).await?;
     let faults: Vec<String> = checked.all_faults().collect();
-    if args.json {
-        write_out(&format!("{}\n", as_json(&checked, &faults)))?;
-    } else {
-        write_out(&as_text(&checked, &faults))?;
-    }
+    let json = || format!("{}\n", as_json(&checked, &faults));
+    write_out(&if args.json { json() } else { as_text(&checked, &faults) })?;
     match faults.len() {
         0 => Ok(()),
         count => Err(format!("{}: {}", files.database().display(), counted(count, "fault")).into()),

@@ -1,6 +1,5 @@
 //! `revisit vocabulary`: converts, describes and trains vocabularies.
 
-use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, Read as _};
@@ -191,24 +190,20 @@ fn write_to(vocabulary: &Vocabulary, partial: &Path, path: &Path, form: FormArgs
 
 /// The members of a recording's line that training needs.
 #[derive(Deserialize)]
-struct Line<'a> {
-    #[serde(borrow)]
-    op: Cow<'a, str>,
-    #[serde(borrow)]
-    body: Option<Body<'a>>,
+struct Line {
+    op: String,
+    body: Option<Body>,
 }
 
 #[derive(Deserialize)]
-struct Body<'a> {
-    #[serde(borrow)]
-    features: Option<Descriptors<'a>>,
+struct Body {
+    features: Option<Descriptors>,
 }
 
 #[derive(Deserialize)]
-struct Descriptors<'a> {
+struct Descriptors {
     descriptor_bytes: usize,
-    #[serde(borrow)]
-    descriptors: Cow<'a, str>,
+    descriptors: String,
 }
 
 fn read_recording(path: &Path, set: &mut TrainingSet) -> Result<(), Failure> {

@@ -35,7 +35,7 @@ use recording::Recording;
 use report::Report;
 
 pub use arguments::ReplayArgs;
-pub use overrides::{Overrides, Setting};
+pub use overrides::Overrides;
 pub use own_server::OwnServer;
 pub use recording::{LineError, count_operations};
 

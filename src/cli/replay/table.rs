@@ -90,8 +90,7 @@ fn write_verdicts(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
             errors.compared, t.median, r.median, t.p90, r.p90
         )?;
     }
-    let (queries, keyframes) = (report.latency_ms, report.keyframe_latency_ms);
-    let (queries, keyframes) = (latency(queries), latency(keyframes));
+    let (queries, keyframes) = (latency(report.latency_ms), latency(report.keyframe_latency_ms));
     writeln!(f, "latency   query {queries}; keyframe write {keyframes}")
 }
 
@@ -158,10 +157,7 @@ fn name(report: &Report, line: &Answered) -> String {
 fn figures(candidate: &Figures) -> String {
     let similarity = share(candidate.similarity);
     let (keyframe, bow_score) = (&candidate.keyframe, candidate.bow_score);
-    let inliers = match candidate.inliers {
-        Some(inliers) => format!(" inliers {inliers}"),
-        None => String::new(),
-    };
+    let inliers = candidate.inliers.map_or_else(String::new, |inliers| format!(" inliers {inliers}"));
     format!("{keyframe} S {similarity} BoW {bow_score:.3}{inliers}")
 }
 
