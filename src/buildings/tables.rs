@@ -21,19 +21,16 @@ pub fn loops(kinds: &[Kind], played: &[Played]) -> String {
         // By the old score what is near is wrong.
         let old = format!("({})", percent(score.right, score.right + score.near + score.wrong));
         let recall = percent(score.right, score.with_truth);
+        let in_thousand = score.false_in_thousand();
+        let Score { worlds, queries, right, near, wrong, joined, .. } = score;
+        let Score { visits_right, visits_wrong, visits_with_truth, .. } = score;
+        let _ = write!(
+            table,
+            "{name:<15}{worlds:>6}{queries:>8}{right:>8}{near:>5}{wrong:>6}{precision:>10}{old:>8}{recall:>8}"
+        );
         let _ = writeln!(
             table,
-            "{name:<15}{:>6}{:>8}{:>8}{:>5}{:>6}{precision:>10}{old:>8}{recall:>8}{:>9}{:>6}{:>5}{:>10.1}{:>14}",
-            score.worlds,
-            score.queries,
-            score.right,
-            score.near,
-            score.wrong,
-            score.visits_right,
-            score.visits_wrong,
-            score.visits_with_truth,
-            score.false_in_thousand(),
-            score.joined,
+            "{visits_right:>9}{visits_wrong:>6}{visits_with_truth:>5}{in_thousand:>10.1}{joined:>14}"
         );
     }
     let all = Score::of(played);
