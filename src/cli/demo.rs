@@ -25,7 +25,7 @@ use crate::hotel::robot::client::Robot;
 use crate::hotel::route::tour;
 use crate::hotel::run::{self, AnsweredQuery, RunResult, drive};
 use crate::hotel::scenario::Scenario;
-use crate::hotel::scoring::explain::{Narrator, keyframe_id};
+use crate::hotel::scoring::explain::keyframe_id;
 use crate::hotel::scoring::paper::FIGURE_6;
 use crate::hotel::scoring::results::SequenceResult;
 use crate::hotel::scoring::tables;
@@ -84,7 +84,6 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         (scenario, second)
     })
     .await?;
-    let narrator = Narrator { scenario: &scenario };
     let rooms: Vec<&str> =
         scenario.tours[0].iter().map(|room| scenario.floors[0].numbers[*room].as_str()).collect();
     write_out(&format!(
@@ -95,7 +94,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         server.url()
     ))?;
     let progress = Progress::new(scenario.course.order.len());
-    let mut teller = Teller { narrator, progress, rejections: 0, loops: 0 };
+    let mut teller = Teller { scenario: &scenario, progress, rejections: 0, loops: 0 };
     let ours = drive(&client, MAP, Method::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let met = second_robot(&client, &second).await?;
     write_out(&met)?;
@@ -219,7 +218,7 @@ impl Progress {
 
 /// Prints a selection of the answers.
 struct Teller<'a> {
-    narrator: Narrator<'a>,
+    scenario: &'a Scenario,
     progress: Progress,
     rejections: usize,
     loops: usize,
@@ -242,7 +241,7 @@ impl Teller<'_> {
         };
         if is_told {
             // As in `Progress`.
-            let _ = write_out(&format!("{}\n", self.narrator.said(asked)));
+            let _ = write_out(&format!("{}\n", self.scenario.said(asked)));
         }
         self.progress.count(asked, is_told);
     }

@@ -14,7 +14,6 @@ use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
 use crate::hotel::run::drive;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::scoring::explain::Narrator;
 use crate::hotel::scoring::fleet::{self, FleetResult};
 use crate::hotel::scoring::results::{ArmResult, WorldResult};
 use crate::hotel::scoring::score::Outcome;
@@ -116,7 +115,6 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
     for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;
-        let narrator = Narrator { scenario: &scenario };
         let tours = scenario.tours.iter().enumerate();
         let rooms: Vec<String> = tours.map(|(robot, tour)| tour_text(&scenario, robot, tour)).collect();
         write_out(&format!("world {seed} under {}: rooms {}\n", kind.words(), rooms.join("; and ")))?;
@@ -124,7 +122,7 @@ pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Res
         let mut lines = Vec::new();
         let driven = drive(client, &map, args.arm, &scenario.course, |asked| {
             if matches!(asked.scored.outcome, Outcome::Wrong | Outcome::Missed) {
-                lines.push(narrator.judged(asked));
+                lines.push(scenario.judged(asked));
             }
         })
         .await?;

@@ -49,7 +49,7 @@ fn keyframes(restart: &Restart) -> Vec<UnplacedKeyframeBody> {
 /// Returns what the camera sees: its depth camera knows where each feature is.
 fn keyframe(step: &Step, first_from_camera: &Pose) -> UnplacedKeyframeBody {
     let every: Vec<(u64, Point3)> = (step.map_points.iter().zip(&step.features))
-        .map(|((id, _), feature)| (*id, first_from_camera.transform(&feature.in_camera)))
+        .map(|(id, feature)| (*id, first_from_camera.transform(&feature.in_camera)))
         .collect();
     UnplacedKeyframeBody {
         pose: Some((*first_from_camera).into()),

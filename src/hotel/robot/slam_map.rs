@@ -22,7 +22,8 @@ pub struct SlamMap<'a> {
 /// placed it.
 #[derive(Clone, Debug)]
 struct MapPoint {
-    first: Sight,
+    /// Its feature in the first of its observers.
+    feature: usize,
     reference: Option<Reference>,
     observers: Vec<usize>,
 }
@@ -34,28 +35,16 @@ struct Reference {
     in_camera: Point3,
 }
 
-/// A feature of a keyframe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Sight {
-    keyframe: usize,
-    feature: usize,
-}
-
 impl<'a> SlamMap<'a> {
     /// Adds the next keyframe and returns its number.
     pub fn push(&mut self, step: &'a Step, map_from_camera: &Sim3) -> usize {
         let keyframe = self.steps.len();
-        for (feature, (id, _)) in step.map_points.iter().enumerate() {
-            let first = Sight { keyframe, feature };
-            let point = self.points.entry(*id).or_insert_with(|| MapPoint {
-                first,
-                reference: None,
-                observers: Vec::new(),
-            });
-            point.observers.push(keyframe);
+        for (feature, id) in step.map_points.iter().enumerate() {
+            let new = || MapPoint { feature, reference: None, observers: Vec::new() };
+            self.points.entry(*id).or_insert_with(new).observers.push(keyframe);
         }
         for placed in &step.placed {
-            if let Some(point) = self.points.get_mut(&step.map_points[placed.feature].0) {
+            if let Some(point) = self.points.get_mut(&step.map_points[placed.feature]) {
                 point.reference = Some(Reference { keyframe, in_camera: placed.in_camera });
             }
         }
@@ -87,7 +76,7 @@ impl<'a> SlamMap<'a> {
 
     /// Returns the map points of a keyframe, one for each feature.
     pub fn point_ids(&self, keyframe: usize) -> impl Iterator<Item = u64> + use<'a> {
-        self.steps[keyframe].map_points.iter().map(|(id, _)| *id)
+        self.steps[keyframe].map_points.iter().copied()
     }
 
     /// Returns the map points that have a position, with the keyframe that placed each, in the order of their numbers.
@@ -105,8 +94,8 @@ impl<'a> SlamMap<'a> {
     /// observation.
     pub fn point(&self, id: u64) -> Option<(Point3, Pose, &'a Feature)> {
         let point = self.points.get(&id)?;
-        let Sight { keyframe, feature } = point.first;
-        Some((self.place(point.reference?), self.pose(keyframe), &self.steps[keyframe].features[feature]))
+        let first = point.observers[0];
+        Some((self.place(point.reference?), self.pose(first), &self.steps[first].features[point.feature]))
     }
 
     /// Returns up to `limit` covisible keyframes, those that share most points first, of equals the older.

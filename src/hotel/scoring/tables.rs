@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use super::paper::ORB_SLAM3_PRECISION;
+use super::paper::{ORB_SLAM3_PRECISION, PrintedSequence};
 use super::results::{Accuracy, ArmResult, Confusion, NEAR_M, SequenceResult, Share, WorldResult, pooled};
 use super::score::Counts;
 use crate::hotel::building::renumbering::{Round, Signs};
@@ -99,18 +99,12 @@ pub fn table_3(results: &[SequenceResult]) -> String {
     );
     for result in results {
         let of = |arm: Method| arm_of(&result.arms, arm).map_or(f64::NAN, |arm| arm.absolute_pose_error_m);
-        let printed = &result.printed;
+        let [ours, paper, bow] = [Method::Ours, Method::Paper, Method::BagOfWords].map(of);
+        let SequenceResult { sequence, odometry_m: odometry, printed, .. } = result;
+        let PrintedSequence { ours_m, orb_slam3_m, orb_vo_m, .. } = printed;
         let _ = writeln!(
             text,
-            "{:8} {:7.3} {:8.3} {:9.3} {:9.3} {:9.3} {:10.3} {:7.3}",
-            result.sequence,
-            of(Method::Ours),
-            of(Method::Paper),
-            of(Method::BagOfWords),
-            result.odometry_m,
-            printed.ours_m,
-            printed.orb_slam3_m,
-            printed.orb_vo_m,
+            "{sequence:8} {ours:7.3} {paper:8.3} {bow:9.3} {odometry:9.3} {ours_m:9.3} {orb_slam3_m:10.3} {orb_vo_m:7.3}"
         );
     }
     let mean =

@@ -32,8 +32,7 @@ pub struct Answerable {
 pub fn answers(journeys: &[Sequence], order: &[KeyframeIndex]) -> Vec<Answerable> {
     let step = |(robot, number): KeyframeIndex| &journeys[robot].steps[number];
     let points: Vec<Vec<(usize, u32)>> = order.iter().map(|at| points(step(*at))).collect();
-    let ids: Vec<Vec<u64>> =
-        order.iter().map(|at| sorted(step(*at).map_points.iter().map(|(id, _)| *id))).collect();
+    let ids: Vec<Vec<u64>> = order.iter().map(|at| sorted(step(*at).map_points.iter().copied())).collect();
     (order.iter().enumerate())
         .map(|(number, at)| {
             let mut answerable = Answerable::default();

@@ -92,9 +92,8 @@ fn place(
 ) -> Option<Point3> {
     let step = &steps[number];
     let seen = step.features[feature].keypoint;
-    let track = tracks
-        .entry(step.map_points[feature].0)
-        .or_insert(Track { first: (number, seen), parallax_rad: 0.0 });
+    let track =
+        tracks.entry(step.map_points[feature]).or_insert(Track { first: (number, seen), parallax_rad: 0.0 });
     let (first, seen_first) = track.first;
     let pose = |number: usize| steps[number].stop.stand.map_from_camera();
     let first_from_now = pose(first).inverse().after(&pose(number));
@@ -148,7 +147,7 @@ mod tests {
         }
         assert!(placed > new / 3, "{placed} places for {new} points");
         let ever: std::collections::HashSet<u64> = (seen.steps.iter())
-            .flat_map(|step| step.placed.iter().map(|placed| step.map_points[placed.feature].0))
+            .flat_map(|step| step.placed.iter().map(|placed| step.map_points[placed.feature]))
             .collect();
         assert!((new / 4..new).contains(&ever.len()), "{} of {new} points have a place", ever.len());
         let off = median(ratios).unwrap();

@@ -79,9 +79,9 @@ impl Confirmation {
     ) -> Option<Confirmed> {
         let query = Query::new(maps, query);
         match self.pending.take().map(|pending| query.follow(pending)) {
-            Some(Followed::Agrees(pending)) => return self.keep(pending),
-            Some(Followed::Fails(pending)) if pending.failures < FAILURES => self.pending = Some(pending),
-            Some(Followed::Fails(_)) | None => {}
+            Some(pending) if pending.failures == 0 => return self.keep(pending),
+            Some(pending) if pending.failures < FAILURES => self.pending = Some(pending),
+            Some(_) | None => {}
         }
         let mut best: Option<Pending> = None;
         for pending in proposals.iter().filter_map(|proposal| query.check(proposal)) {
@@ -101,12 +101,6 @@ impl Confirmation {
         self.pending = (pending.agreeing > 0).then_some(pending);
         None
     }
-}
-
-/// The state of a pending loop after the following keyframe.
-enum Followed {
-    Agrees(Pending),
-    Fails(Pending),
 }
 
 /// The keyframe being checked.
@@ -176,13 +170,14 @@ impl<'a> Query<'a> {
             .count()
     }
 
-    /// Checks whether the keyframe agrees with a loop of the last agreeing one.
-    fn follow(&self, pending: Pending) -> Followed {
+    /// Returns the state of a pending loop after this keyframe: with no failures if the keyframe agrees with the last
+    /// agreeing one.
+    fn follow(&self, pending: Pending) -> Pending {
         let Some((candidate_from_query, found)) = self.found_later(&pending) else {
-            return Followed::Fails(Pending { failures: pending.failures + 1, ..pending });
+            return Pending { failures: pending.failures + 1, ..pending };
         };
         let latest = Confirmed { candidate_from_query, found, ..pending.latest };
-        Followed::Agrees(Pending { latest, last: self.number, agreeing: pending.agreeing + 1, failures: 0 })
+        Pending { latest, last: self.number, agreeing: pending.agreeing + 1, failures: 0 }
     }
 
     fn found_later(&self, pending: &Pending) -> Option<(Pose, usize)> {
