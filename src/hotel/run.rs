@@ -40,7 +40,13 @@ impl Course {
             .filter(|(robot, number)| *number < journeys[*robot].steps.len())
             .collect();
         let answers = answers(&journeys, &order);
-        let first_stays = first_stays(&journeys, &order);
+        let mut first_stays = HashMap::new();
+        for (robot, number) in &order {
+            let stop = journeys[*robot].steps[*number].stop;
+            if stop.place != Place::Corridor {
+                first_stays.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
+            }
+        }
         Self { journeys, order, answers, first_stays }
     }
 
@@ -50,17 +56,6 @@ impl Course {
         let stay = (keyframe.0, stop.visit);
         self.first_stays.get(&(stop.storey, stop.place)).is_some_and(|first| *first != stay)
     }
-}
-
-fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize, Place), (usize, usize)> {
-    let mut first = HashMap::new();
-    for (robot, number) in order {
-        let stop = journeys[*robot].steps[*number].stop;
-        if stop.place != Place::Corridor {
-            first.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
-        }
-    }
-    first
 }
 
 /// One query with its answer.

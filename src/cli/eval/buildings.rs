@@ -58,10 +58,8 @@ fn kind(name: &str) -> Result<Kind, String> {
 }
 
 fn arm(name: &str) -> Result<Method, String> {
-    [Method::Ours, Method::Paper]
-        .into_iter()
-        .find(|arm| arm.as_str() == name)
-        .ok_or_else(|| "ours or paper".to_owned())
+    let found = Method::from_name(name).filter(|arm| [Method::Ours, Method::Paper].contains(arm));
+    found.ok_or_else(|| "ours or paper".to_owned())
 }
 
 /// Plays or records the worlds.
