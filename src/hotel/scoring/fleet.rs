@@ -12,7 +12,6 @@ use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Sim3};
 use crate::hotel::robot::message;
 use crate::hotel::run::{Course, RunResult, session};
-use crate::hotel::sequence::Sequence;
 
 /// The robots of one world in one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,56 +34,45 @@ pub struct FleetResult {
 }
 
 /// A robot in the server's frame.
-struct Framed<'c> {
-    robot: usize,
+struct Framed {
     reference_from_session: Sim3,
     estimated: Vec<Point3>,
     truth: Vec<Point3>,
-    journey: &'c Sequence,
 }
 
 impl FleetResult {
     /// Compares the frames at the end of a run with the truth.
     pub fn of(frames: &FramesView, course: &Course, driven: &RunResult) -> Self {
-        let framed: Vec<Framed<'_>> = (0..course.journeys.len())
-            .filter_map(|robot| {
-                let frame = frames.frames.iter().find(|frame| frame.session == session(robot))?;
-                let transform = frame.reference_from_session.as_ref()?;
-                Some(Framed {
-                    robot,
-                    reference_from_session: message::rigid(transform)?,
-                    estimated: centres(&driven.poses[robot]),
-                    truth: centres(&course.journeys[robot].true_poses()),
-                    journey: &course.journeys[robot],
-                })
+        let journeys = &course.journeys;
+        let framed = |robot: usize| {
+            let frame = frames.frames.iter().find(|frame| frame.session == session(robot))?;
+            Some(Framed {
+                reference_from_session: message::rigid(frame.reference_from_session.as_ref()?)?,
+                estimated: centres(&driven.poses[robot]),
+                truth: centres(&journeys[robot].true_poses()),
             })
-            .collect();
+        };
+        let framed: Vec<Option<Framed>> = (0..journeys.len()).map(framed).collect();
         let mut result = Self { suspects: (frames.suspects.len(), frames.loops), ..Self::default() };
-        for (number, a) in framed.iter().enumerate() {
-            for b in &framed[number + 1..] {
-                if a.journey.storey() == b.journey.storey() {
-                    result.pairs.extend(pair_error(a, b));
-                } else {
-                    result.wrongly_joined += 1;
+        for a in 0..journeys.len() {
+            for b in a + 1..journeys.len() {
+                let same_floor = journeys[a].storey() == journeys[b].storey();
+                match (&framed[a], &framed[b]) {
+                    (Some(a), Some(b)) if same_floor => result.pairs.extend(pair_error(a, b)),
+                    (Some(_), Some(_)) => result.wrongly_joined += 1,
+                    _ => result.apart += usize::from(same_floor),
                 }
             }
         }
-        let joined: Vec<usize> = framed.iter().map(|of| of.robot).collect();
-        for a in 0..course.journeys.len() {
-            for b in a + 1..course.journeys.len() {
-                let same_floor = course.journeys[a].storey() == course.journeys[b].storey();
-                let are_joined = joined.contains(&a) && joined.contains(&b);
-                result.apart += usize::from(same_floor && !are_joined);
-            }
-        }
-        (result.separate_m, result.joined_m, result.alone_m) = position_errors(&framed);
+        let joined: Vec<Framed> = framed.into_iter().flatten().collect();
+        (result.separate_m, result.joined_m, result.alone_m) = position_errors(&joined);
         result
     }
 }
 
 /// Returns how far the frames are off between two robots, in metres and degrees; none if a tour is too straight to tell.
-fn pair_error(a: &Framed<'_>, b: &Framed<'_>) -> Option<(f64, f64)> {
-    let world_from = |of: &Framed<'_>| alignment(&of.estimated, &of.truth, Scale::Fixed);
+fn pair_error(a: &Framed, b: &Framed) -> Option<(f64, f64)> {
+    let world_from = |of: &Framed| alignment(&of.estimated, &of.truth, Scale::Fixed);
     let true_a_from_b = world_from(a)?.inverse().after(&world_from(b)?);
     let a_from_b = a.reference_from_session.inverse().after(&b.reference_from_session);
     let middle =
@@ -95,9 +83,9 @@ fn pair_error(a: &Framed<'_>, b: &Framed<'_>) -> Option<(f64, f64)> {
 }
 
 /// Returns the position errors of robots after one alignment, each in its own frame and all in the server's; and after one each.
-fn position_errors(framed: &[Framed<'_>]) -> (f64, f64, f64) {
+fn position_errors(framed: &[Framed]) -> (f64, f64, f64) {
     let truths: Vec<Point3> = framed.iter().flat_map(|of| of.truth.iter().copied()).collect();
-    let of_all = |place: fn(&Framed<'_>, &Point3) -> Point3| {
+    let of_all = |place: fn(&Framed, &Point3) -> Point3| {
         let estimated: Vec<Point3> =
             framed.iter().flat_map(|of| of.estimated.iter().map(move |at| place(of, at))).collect();
         rmse_after_alignment(&estimated, &truths, Scale::Fixed).unwrap_or(f64::NAN)
