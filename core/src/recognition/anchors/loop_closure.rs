@@ -52,13 +52,7 @@ fn merge_pairs(record: &mut Recorder<'_>, closed: &Loop, pairs: Vec<(AnchorSeq, 
             continue;
         }
         let merge = Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Loop(closed.id.clone()) };
-        let mut event = Event::of(EventKind::AnchorsMerged);
-        (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-        event.loop_id = Some(closed.id.clone());
-        record.emit(event);
-        record.touch(merge.into);
-        record.touch(merge.from);
-        record.apply(vec![Change::Merged(merge)]);
+        record.merge(merge, |event| event.loop_id = Some(closed.id.clone()));
     }
 }
 
@@ -97,10 +91,7 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
         event.candidate = Some(closed.candidate_id.clone());
     }
     record.emit(event);
-    for merge in &made {
-        record.touch(merge.into);
-        record.touch(merge.from);
-    }
+    record.touch(made.iter().flat_map(|merge| [merge.into, merge.from]));
     record.apply(vec![Change::LoopRemoved(id.clone())]);
     let objects = record.index().objects();
     let parted =

@@ -354,7 +354,7 @@ fn keyframes_seeing(
 ) -> Vec<KeyframeSeq> {
     let seen = objects.iter().filter_map(|object| index.objects().get(*object));
     let keyframes: BTreeSet<KeyframeSeq> = seen.flat_map(|object| index.keyframes_of(object)).collect();
-    let of_session = |seq: &KeyframeSeq| index.keyframe(*seq).is_some_and(|found| found.session == session);
+    let of_session = |seq: &KeyframeSeq| index.session_of(*seq) == Some(session);
     keyframes.into_iter().filter(|seq| of_session(seq) && !query.left_out.contains(seq)).collect()
 }
 

@@ -210,7 +210,7 @@ fn other_passages(index: &MapIndex, query: &Query<'_>, object: &MergedAnchor) ->
         .collect();
     let session = query.centre.session;
     let elsewhere = |member: AnchorSeq, keyframe: &KeyframeSeq| {
-        !mine.contains(&member) || index.keyframe(*keyframe).map(|keyframe| keyframe.session) != session
+        !mine.contains(&member) || index.session_of(*keyframe) != session
     };
     let members = object.members.iter().filter_map(|member| Some((*member, index.anchor(*member)?)));
     members

@@ -41,7 +41,7 @@ pub fn seen_again(index: &mut MapIndex, passage: &Passage) -> Option<Decided> {
     }
     let mut record = Recorder::new(index);
     if !changes.is_empty() {
-        record.touch(root);
+        record.touch([root]);
         record.apply(changes);
     }
     if returns {
@@ -70,7 +70,7 @@ pub fn missed(index: &mut MapIndex, passage: &Passage, place: &Point3) -> Decide
     };
     if let Some((keyframe, other)) = keyframe.zip(other) {
         record.apply(vec![Change::SignMissed(MissedSign { anchor: root, keyframe, other })]);
-        record.touch(root);
+        record.touch([root]);
         retire(&mut record, passage);
     }
     record.finish()
@@ -171,7 +171,7 @@ fn text_of(
     other: AnchorSeq,
 ) -> Option<(String, bool)> {
     if !object.members.contains(&other) {
-        let description = index.objects().get(index.objects().root(other)?)?.description.as_ref()?;
+        let description = index.object_of(other)?.description.as_ref()?;
         return Some((description.text.gist().to_owned(), description.certainty == Certainty::Sure));
     }
     let read = index.anchor(other)?.observations.values().filter_map(|seen| {

@@ -42,10 +42,9 @@ pub(super) fn sightings<'a>(
     keyframe: KeyframeSeq,
 ) -> impl Iterator<Item = Sighting<'a>> {
     let class = index.class_of(object);
-    let anchors = index.anchors_seen_by(keyframe).filter_map(|seq| Some((seq, index.anchor(seq)?)));
-    anchors.filter(move |(_, anchor)| *anchor.class == *class).flat_map(move |(seq, anchor)| {
-        let seen = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
-        seen.map(move |(_, seen)| Sighting { seq, anchor, seen })
+    index.detections_of(keyframe).filter_map(move |(seq, seen)| {
+        let anchor = index.anchor(seq).filter(|anchor| *anchor.class == *class)?;
+        Some(Sighting { seq, anchor, seen })
     })
 }
 
