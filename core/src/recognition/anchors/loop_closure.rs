@@ -9,9 +9,9 @@ use crate::domain::report::MergeReport;
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::loop_warning::loop_warning;
-use crate::recognition::loops::anchor_map::{LocalName, local_anchor_map};
+use crate::recognition::loops::anchor_map::local_anchor_map;
 use crate::recognition::loops::centre::Centre;
-use crate::recognition::loops::comparison::compare;
+use crate::recognition::loops::comparison::{Matched, compare};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
@@ -73,11 +73,8 @@ fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq
     let candidate = local_anchor_map(index, &candidate, &mut places);
     let settings = Settings { method: Method::Revisit, ..index.properties().settings.clone() };
     let comparison = compare(&query, &candidate, index, &settings);
-    let pairs = comparison.matches.iter().filter_map(|pair| match (pair.query.name, pair.candidate.name) {
-        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => Some((a, b)),
-        _ => None,
-    });
-    pairs.collect()
+    let objects = |pair: &Matched<'_>| pair.query.name.object().zip(pair.candidate.name.object());
+    comparison.matches.iter().filter_map(objects).collect()
 }
 
 /// Takes a loop back: what it merged parts again, unless another loop that still stands matches it too.

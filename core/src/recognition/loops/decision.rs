@@ -71,13 +71,13 @@ pub(in crate::recognition) fn conclude_view(
     checked: Result<GeometryOutcome, &'static str>,
 ) -> Concluded {
     let mut candidate = pre_verified.candidate.clone();
-    let Some(bet) = &pre_verified.bet else {
-        letter::decide(screening, pre_verified, checked, &mut candidate);
-        return Concluded { candidate, sum: None };
-    };
     candidate.geometry = match &checked {
         Ok(outcome) => evidence::geometry(&outcome.verification),
         Err(missing) => evidence::geometry_skipped(missing),
+    };
+    let Some(bet) = &pre_verified.bet else {
+        letter::decide(screening, pre_verified, checked, &mut candidate);
+        return Concluded { candidate, sum: None };
     };
     let sum = sum(screening, pre_verified, bet, checked.as_ref().ok());
     conclude(&mut candidate, &sum, bet, screening.verify, &screening.settings);

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use super::expected::{Expecting, is_in_image};
 use super::passages::Passage;
 use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
@@ -15,7 +16,6 @@ use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms,
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
-use crate::recognition::verification::Status;
 
 /// Map points this near to a sign's centre, in metres, are around it.
 pub const AROUND_M: f64 = 0.5;
@@ -108,7 +108,7 @@ impl Look {
         let seen = of(self.candidate.0)?;
         let checked = verify_views(&terms, &asked, (&self.candidate.1, seen), features, SEED).ok()?;
         let found = &checked.verification;
-        if found.status != Status::Verified || !found.model.is_metric() {
+        if found.status != GeometryStatus::Verified || !found.model.is_metric() {
             return None;
         }
         let candidate_from_query: Sim3 = checked.between_poses(&found.candidate_from_query?);

@@ -126,6 +126,13 @@ impl MapIndex {
         self.keyframe(seq).map(|keyframe| keyframe.session)
     }
 
+    /// Whether two keyframes are near each other in one session's frame: their cameras stand within the radius of a place.
+    pub fn are_near(&self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        let Some((a, b)) = self.keyframe(a).zip(self.keyframe(b)) else { return false };
+        let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
+        a.session == b.session && apart_m <= self.properties.settings.distinctive_place_radius_m
+    }
+
     /// Returns every keyframe, in order of arrival.
     pub fn keyframes(&self) -> impl Iterator<Item = &Keyframe> {
         self.keyframes.values()
