@@ -33,12 +33,18 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
         return Vec::new();
     }
     let acceptance = Acceptance::new(limits, query.descriptors.bits());
-    let mut matches = match (query.nodes, candidate.nodes) {
-        (Some(of_query), Some(of_candidate)) => {
-            by_nodes(query, of_query, candidate, of_candidate, acceptance)
-        }
-        _ => all_with_all(query, candidate, acceptance),
+    let sides = query.nodes.zip(candidate.nodes);
+    let sides = sides.map(|(a, b)| [ByNode::of(query.features, a), ByNode::of(candidate.features, b)]);
+    let groups = match &sides {
+        Some([of_query, of_candidate]) => by_nodes(of_query, of_candidate),
+        None => vec![(query.features, candidate.features)],
     };
+    let mut matches = dispatch(GroupMatching {
+        query: query.descriptors,
+        candidate: candidate.descriptors,
+        groups: &groups,
+        acceptance,
+    });
     matches.sort_unstable_by_key(|found| (found.query, found.candidate));
     if limits.orientation {
         keep_consistent_rotations(&mut matches, query.keypoints, candidate.keypoints);
@@ -46,26 +52,8 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
     matches
 }
 
-/// Returns the matches of all features with all.
-fn all_with_all(query: &Side, candidate: &Side, acceptance: Acceptance) -> Vec<Match> {
-    dispatch(GroupMatching {
-        query: query.descriptors,
-        candidate: candidate.descriptors,
-        groups: &[(query.features, candidate.features)],
-        acceptance,
-    })
-}
-
 /// Only features of one node are compared, as ORB-SLAM's `SearchByBoW` does.
-fn by_nodes(
-    query: &Side,
-    query_nodes: &[u32],
-    candidate: &Side,
-    candidate_nodes: &[u32],
-    acceptance: Acceptance,
-) -> Vec<Match> {
-    let of_query = ByNode::of(query.features, query_nodes);
-    let of_candidate = ByNode::of(candidate.features, candidate_nodes);
+fn by_nodes<'a>(of_query: &'a ByNode, of_candidate: &'a ByNode) -> Vec<(&'a [u32], &'a [u32])> {
     let mut groups = Vec::with_capacity(of_query.groups.len());
     let mut others = of_candidate.groups.iter().peekable();
     for (node, features) in &of_query.groups {
@@ -74,12 +62,7 @@ fn by_nodes(
             groups.push((&of_query.features[features.clone()], &of_candidate.features[same.clone()]));
         }
     }
-    dispatch(GroupMatching {
-        query: query.descriptors,
-        candidate: candidate.descriptors,
-        groups: &groups,
-        acceptance,
-    })
+    groups
 }
 
 /// The features of one side, node by node.
