@@ -8,9 +8,10 @@ use crate::geometry::Sim3;
 
 /// The relation between two images that was looked for. Two points of one scene are related by the first of these that the
 /// scene and the motion allow; the later ones have fewer unknowns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// A similarity from points with positions on both sides: seven unknowns.
+    #[default]
     Sim3,
     /// The same with scale 1, on metric maps: six unknowns.
     Se3,
@@ -136,7 +137,7 @@ impl Failure {
 }
 
 /// The answer, with the evidence.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verification {
     /// The answer.
     pub status: GeometryStatus,
@@ -176,23 +177,7 @@ pub struct Verification {
 impl Verification {
     /// Starts a verification before anything is looked at.
     pub(super) fn started(model: Model) -> Self {
-        Self {
-            status: GeometryStatus::Failed,
-            model,
-            matches: 0,
-            hypotheses: 0,
-            matched_inliers: 0,
-            projected_matches: 0,
-            inliers: 0,
-            explained_features: Vec::new(),
-            explained_pixels: [Vec::new(), Vec::new()],
-            sure_inliers: 0,
-            log10_false_alarms: None,
-            mean_reprojection_error_px: None,
-            candidate_from_query: None,
-            covariance: None,
-            failure: None,
-        }
+        Self { model, ..Self::default() }
     }
 
     /// Returns a verification that could not run.
