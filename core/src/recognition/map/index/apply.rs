@@ -118,9 +118,9 @@ impl MapIndex {
                 if let Some(anchor) = self.anchors.get_mut(read.anchor.index())
                     && let Some(observation) = anchor.observations.get_mut(&(read.keyframe, read.detection))
                 {
-                    self.readings.remove(&anchor.class, read.anchor, observation, &mut touched.parsed);
+                    self.readings.count(&anchor.class, read.anchor, observation, &mut touched.parsed, false);
                     observation.crop_reading = Some(read.reading.clone());
-                    self.readings.add(&anchor.class, read.anchor, observation, &mut touched.parsed);
+                    self.readings.count(&anchor.class, read.anchor, observation, &mut touched.parsed, true);
                     touched.stale.insert(read.anchor);
                 }
             }
@@ -311,7 +311,7 @@ impl MapIndex {
                 let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
                 for (_, observation) in gone {
                     self.tally.remove_observation(&observation);
-                    self.readings.remove(&class, holder, &observation, &mut touched.parsed);
+                    self.readings.count(&class, holder, &observation, &mut touched.parsed, false);
                 }
             }
             touched.stale.insert(holder);
@@ -342,7 +342,7 @@ impl MapIndex {
         let is_code = self.readings.is_of_codes(&anchor.class);
         anchor.observe(observation.clone(), session, is_code, &self.points, &mut touched.parsed);
         self.tally.add_observation(observation);
-        self.readings.add(&anchor.class, seq, observation, &mut touched.parsed);
+        self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, true);
         self.seen_by.get_or_insert_with(observation.keyframe.index(), BTreeSet::new).insert(seq);
         touched.anchors.insert(seq);
     }
@@ -352,7 +352,7 @@ impl MapIndex {
         let Some(anchor) = self.anchors.get_mut(from.index()) else { return };
         let Some(observation) = anchor.observations.remove(&(keyframe, detection)) else { return };
         self.tally.remove_observation(&observation);
-        self.readings.remove(&anchor.class, from, &observation, &mut touched.parsed);
+        self.readings.count(&anchor.class, from, &observation, &mut touched.parsed, false);
         let mut others = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
         if others.next().is_none()
             && let Some(seen) = self.seen_by.get_mut(keyframe.index())
@@ -370,7 +370,7 @@ impl MapIndex {
         self.holders.release(&anchor.shapes, seq);
         for observation in anchor.observations.values() {
             self.tally.remove_observation(observation);
-            self.readings.remove(&anchor.class, seq, observation, &mut touched.parsed);
+            self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, false);
         }
         for keyframe in anchor.keyframes() {
             if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {
