@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::look_for::{NearbySign, nearby_signs};
+use super::look_for::nearby_signs;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, SessionId, SessionSeq};
+use crate::domain::look_for::NearbySign;
 use crate::geometry::Pose;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::MapIndex;
