@@ -5,7 +5,6 @@ use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId};
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::method::Method;
-use crate::domain::report::MergeReport;
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::loop_warning::loop_warning;
@@ -78,8 +77,8 @@ fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq
 }
 
 /// Takes a loop back: what it merged parts again, unless another loop that still stands matches it too.
-pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Decided) {
-    let made = merges_of(index, id);
+pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<Merge>, Decided) {
+    let made = index.objects().links_of_loop(id);
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopRevoked);
     event.loop_id = Some(id.clone());
@@ -91,13 +90,6 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
     record.touch(made.iter().flat_map(|merge| [merge.into, merge.from]));
     record.apply(vec![Change::LoopRemoved(id.clone())]);
     let objects = record.index().objects();
-    let parted =
-        made.iter().copied().filter(|merge| objects.root(merge.into) != objects.root(merge.from)).collect();
-    (parted, record.finish())
-}
-
-/// Returns the anchors a loop merged.
-pub fn merges_of(index: &MapIndex, id: &LoopId) -> Vec<MergeReport> {
-    let made = index.objects().links_of_loop(id).into_iter();
-    made.map(|merge| MergeReport { into: merge.into, from: merge.from }).collect()
+    let is_parted = |merge: &Merge| objects.root(merge.into) != objects.root(merge.from);
+    (made.into_iter().filter(is_parted).collect(), record.finish())
 }
