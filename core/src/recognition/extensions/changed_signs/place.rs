@@ -14,6 +14,7 @@ use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::screening::Stage;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 
@@ -106,7 +107,9 @@ impl Look {
         let comparisons = Comparisons::default();
         let asked = PlacedQuery::new((&self.query.1, of(self.query.0)?), &comparisons);
         let seen = of(self.candidate.0)?;
-        let checked = verify_views(&terms, &asked, (&self.candidate.1, seen), features, SEED).ok()?;
+        let checked =
+            verify_views(&terms, Stage::AskGeometry, &asked, (&self.candidate.1, seen), features, SEED)
+                .ok()?;
         let found = &checked.verification;
         if found.status != GeometryStatus::Verified || !found.model.is_metric() {
             return None;
