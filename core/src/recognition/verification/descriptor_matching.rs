@@ -1,7 +1,5 @@
 //! Matching the binary descriptors of two keyframes: by the vocabulary's nodes where both have them, else all with all.
 
-use std::ops::Range;
-
 use super::descriptor_match::Match;
 use super::group_matching::{Acceptance, GroupMatching};
 use super::limits::MatchingLimits;
@@ -9,6 +7,7 @@ use super::orientation::keep_consistent_rotations;
 use crate::domain::keyframe::Keypoint;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::instruction_set::dispatch;
+use crate::vocabulary::FeatureGroups;
 
 /// The node of a feature that has none, such as one whose word has weight 0.
 pub const NO_NODE: u32 = u32::MAX;
@@ -34,9 +33,9 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
     }
     let acceptance = Acceptance::new(limits, query.descriptors.bits());
     let sides = query.nodes.zip(candidate.nodes);
-    let sides = sides.map(|(a, b)| [ByNode::of(query.features, a), ByNode::of(candidate.features, b)]);
+    let sides = sides.map(|(a, b)| [by_node(query.features, a), by_node(candidate.features, b)]);
     let groups = match &sides {
-        Some([of_query, of_candidate]) => by_nodes(of_query, of_candidate),
+        Some([of_query, of_candidate]) => of_query.common(of_candidate).collect(),
         None => vec![(query.features, candidate.features)],
     };
     let mut matches = dispatch(GroupMatching {
@@ -52,44 +51,11 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
     matches
 }
 
-/// Only features of one node are compared, as ORB-SLAM's `SearchByBoW` does.
-fn by_nodes<'a>(of_query: &'a ByNode, of_candidate: &'a ByNode) -> Vec<(&'a [u32], &'a [u32])> {
-    let mut groups = Vec::with_capacity(of_query.groups.len());
-    let mut others = of_candidate.groups.iter().peekable();
-    for (node, features) in &of_query.groups {
-        while others.next_if(|(other, _)| other < node).is_some() {}
-        if let Some((_, same)) = others.next_if(|(other, _)| other == node) {
-            groups.push((&of_query.features[features.clone()], &of_candidate.features[same.clone()]));
-        }
-    }
-    groups
-}
-
-/// The features of one side, node by node.
-struct ByNode {
-    features: Vec<u32>,
-    /// Each node and where its features are; the nodes ascend.
-    groups: Vec<(u32, Range<usize>)>,
-}
-
-impl ByNode {
-    fn of(features: &[u32], nodes: &[u32]) -> Self {
-        let node_of = |&feature: &u32| nodes[feature as usize];
-        let placed = features.iter().filter(|feature| node_of(feature) != NO_NODE);
-        // The node above, the feature below: one comparison of integers orders both.
-        let mut sorted: Vec<u64> =
-            placed.map(|feature| u64::from(node_of(feature)) << 32 | u64::from(*feature)).collect();
-        sorted.sort_unstable();
-        let mut groups: Vec<(u32, Range<usize>)> = Vec::new();
-        for (at, pair) in sorted.iter().enumerate() {
-            let node = (pair >> 32) as u32;
-            match groups.last_mut() {
-                Some((last, range)) if *last == node => range.end = at + 1,
-                _ => groups.push((node, at..at + 1)),
-            }
-        }
-        Self { features: sorted.iter().map(|&pair| pair as u32).collect(), groups }
-    }
+/// Groups the features that have a node. Only those of one node are compared, as ORB-SLAM's `SearchByBoW` does.
+fn by_node(features: &[u32], nodes: &[u32]) -> FeatureGroups {
+    let node_of = |feature: &u32| nodes[*feature as usize];
+    let placed = features.iter().filter(|feature| node_of(feature) != NO_NODE);
+    FeatureGroups::of(placed.map(|feature| u64::from(node_of(feature)) << 32 | u64::from(*feature)).collect())
 }
 
 #[cfg(test)]
