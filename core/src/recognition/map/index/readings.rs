@@ -125,7 +125,9 @@ impl Readings {
             self.change(class, &parsed.of(reading, is_code), |sightings| {
                 match sightings.binary_search(&sighting) {
                     Err(at) if is_there => sightings.insert(at, sighting),
-                    Ok(at) if !is_there => drop(sightings.remove(at)),
+                    Ok(at) if !is_there => {
+                        sightings.remove(at);
+                    }
                     _ => {}
                 }
             });
