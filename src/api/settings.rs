@@ -44,12 +44,12 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
     let value = match row.kind {
         SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
         SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
-        SettingKind::Switch { .. } => SettingValue::Switch(read::switch(node)?),
+        SettingKind::Switch => SettingValue::Switch(read::switch(node)?),
         SettingKind::Choice { names, .. } => {
             let named = |text: &str| names.iter().copied().find(|name| *name == text);
             SettingValue::Choice(node.choice(names, named)?)
         }
-        SettingKind::Patterns { .. } => SettingValue::Patterns(patterns(node)?),
+        SettingKind::Patterns => SettingValue::Patterns(patterns(node)?),
     };
     match Settings::default().set(row.name, value.clone()) {
         Ok(()) => Some((row.name.to_owned(), value)),
