@@ -48,7 +48,7 @@ fn measure(keyframes: u32) -> Report {
     order.truncate(QUERIES);
     let wanted: HashSet<u32> = order.iter().copied().collect();
 
-    let mut file = InvertedFile::new();
+    let mut file = InvertedFile::default();
     let mut inserts = Vec::new();
     let mut queries = Vec::new();
     map.for_each_keyframe(|keyframe, bow| {
@@ -63,7 +63,7 @@ fn measure(keyframes: u32) -> Report {
     // The order they were drawn in: each query hops to another end of the map.
     queries.shuffle(&mut rng(&[4]));
 
-    let (mut scratch, mut place_scratch) = (Scratch::new(), PlaceScratch::new());
+    let (mut scratch, mut place_scratch) = (Scratch::default(), PlaceScratch::default());
     let ids: Vec<u32> = (0..keyframes).collect();
     let covisible = |keyframe: u32| ids[map.visit_of(keyframe)].iter().copied();
     let mut search = |query: u32, bow: &BowVector| {
@@ -106,7 +106,7 @@ fn measure(keyframes: u32) -> Report {
 
 /// Times the building of the whole file at once, as a server does when it reads a map from disk.
 fn load(map: &DrawnMap) -> Duration {
-    let mut file = InvertedFile::new();
+    let mut file = InvertedFile::default();
     file.begin_loading();
     let mut total = Duration::ZERO;
     map.for_each_keyframe(|keyframe, bow| {

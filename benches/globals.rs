@@ -45,7 +45,7 @@ fn measure(keyframes: u32, encoding: GlobalEncoding, bytes: usize, goal_ms: f64)
         index.apply(&[Change::GlobalDescriptorSet(KeyframeSeq(keyframe), Box::new(descriptor()))]);
     }
     let (mut queries, mut rankings, mut scores) = (Vec::new(), Vec::new(), Vec::new());
-    let mut place_scratch = PlaceScratch::new();
+    let mut place_scratch = PlaceScratch::default();
     for _ in 0..QUERIES {
         let sought = descriptor();
         scores.clear();

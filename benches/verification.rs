@@ -10,6 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use revisit::domain::keyframe::{Camera, Keypoint};
+use revisit::domain::verdict::GeometryStatus;
 use revisit::geometry::hamming::{Columns, PackedDescriptors, distance};
 use revisit::geometry::pinhole::Pinhole;
 use revisit::geometry::{Point3, Sim3};
@@ -17,7 +18,7 @@ use revisit::recognition::verification::correspondence::{Cameras, Correspondence
 use revisit::recognition::verification::descriptor_matching::{Side, match_descriptors};
 use revisit::recognition::verification::ransac::sample_consensus;
 use revisit::recognition::verification::refinement::refine;
-use revisit::recognition::verification::{Landmark, Limits, Status, View, verify};
+use revisit::recognition::verification::{Landmark, Limits, View, verify};
 
 const FEATURES: usize = 1_000;
 const WINDOW: usize = 2_000;
@@ -151,7 +152,7 @@ fn whole() {
                 &Limits::DEFAULT,
                 1,
             );
-            assert_eq!(found.status == Status::Verified, share_true, "{found:?}");
+            assert_eq!(found.status == GeometryStatus::Verified, share_true, "{found:?}");
             next += 1;
         });
     }

@@ -6,9 +6,10 @@ use super::decoding::read::{self, Node};
 use super::names::LoopWarningCodeName;
 use super::shown::Shown;
 use super::space::SimilarityShape;
+use crate::domain::change::Merge;
 use crate::domain::ids::{IdError, KeyframeId, LoopId};
 use crate::domain::loop_warning::LoopWarning;
-use crate::domain::report::{LoopReport, MergeReport};
+use crate::domain::report::LoopReport;
 use crate::domain::request::NewLoop;
 
 /// A loop that the client closed.
@@ -84,7 +85,7 @@ pub struct LoopView {
 }
 
 /// A pair of anchors.
-#[answer(of = MergeReport)]
+#[answer(of = Merge)]
 #[schema(as = Merge)]
 pub struct MergeView {
     /// The older anchor, by whose name both go.

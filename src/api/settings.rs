@@ -44,12 +44,12 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
     let value = match row.kind {
         SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
         SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
-        SettingKind::Switch { .. } => SettingValue::Switch(read::switch(node)?),
+        SettingKind::Switch => SettingValue::Switch(read::switch(node)?),
         SettingKind::Choice { names, .. } => {
             let named = |text: &str| names.iter().copied().find(|name| *name == text);
             SettingValue::Choice(node.choice(names, named)?)
         }
-        SettingKind::Patterns { .. } => SettingValue::Patterns(patterns(node)?),
+        SettingKind::Patterns => SettingValue::Patterns(patterns(node)?),
     };
     match Settings::default().set(row.name, value.clone()) {
         Ok(()) => Some((row.name.to_owned(), value)),
@@ -77,7 +77,7 @@ fn patterns(node: &Node<'_>) -> Option<Patterns> {
 
 impl From<&Settings> for MapSettings {
     fn from(settings: &Settings) -> Self {
-        let shown = |row: &Setting| settings.get(row.name).map(|value| (row.name.to_owned(), json_of(value)));
+        let shown = |row: &Setting| settings.get(row.name).map(|value| (row.name.to_owned(), json!(value)));
         Self(Settings::TABLE.iter().filter_map(shown).collect())
     }
 }
@@ -85,23 +85,13 @@ impl From<&Settings> for MapSettings {
 impl MapSettings {
     /// Returns the settings that differ from their defaults.
     pub fn changed(settings: &Settings) -> Self {
-        Self(settings.changed().map(|(name, value)| (name.to_owned(), json_of(value))).collect())
+        Self(settings.changed().map(|(name, value)| (name.to_owned(), json!(value))).collect())
     }
 }
 
 impl From<Vec<(String, SettingValue)>> for MapSettings {
     fn from(chosen: Vec<(String, SettingValue)>) -> Self {
-        Self(chosen.into_iter().map(|(name, value)| (name, json_of(value))).collect())
-    }
-}
-
-fn json_of(value: SettingValue) -> Value {
-    match value {
-        SettingValue::Number(number) => json!(number),
-        SettingValue::Count(count) => json!(count),
-        SettingValue::Switch(switch) => json!(switch),
-        SettingValue::Choice(name) => json!(name),
-        SettingValue::Patterns(patterns) => json!(patterns.texts()),
+        Self(chosen.into_iter().map(|(name, value)| (name, json!(value))).collect())
     }
 }
 
@@ -126,32 +116,27 @@ impl PartialSchema for MapSettings {
 fn row_schema(row: &Setting) -> RefOr<Schema> {
     let description = Some(row.description());
     let unit = row.unit.map(|unit| ExtensionsBuilder::new().add("x-unit", unit).build());
-    let schema = ObjectBuilder::new().description(description.clone()).extensions(unit);
+    let default = Some(json!(row.default));
+    let schema =
+        ObjectBuilder::new().description(description.clone()).extensions(unit).default(default.clone());
     let schema = match row.kind {
-        SettingKind::Number { default, min, max } => schema
-            .schema_type(SchemaType::Type(Type::Number))
-            .minimum(Some(min))
-            .maximum(Some(max))
-            .default(Some(json!(default))),
-        SettingKind::Count { default, min, max } => schema
-            .schema_type(SchemaType::Type(Type::Integer))
-            .minimum(Some(min))
-            .maximum(Some(max))
-            .default(Some(json!(default))),
-        SettingKind::Switch { default } => {
-            schema.schema_type(SchemaType::Type(Type::Boolean)).default(Some(json!(default)))
+        SettingKind::Number { min, max } => {
+            schema.schema_type(SchemaType::Type(Type::Number)).minimum(Some(min)).maximum(Some(max))
         }
-        SettingKind::Choice { default, names } => schema
-            .schema_type(SchemaType::Type(Type::String))
-            .enum_values(Some(names.iter().copied()))
-            .default(Some(json!(default))),
-        SettingKind::Patterns { .. } => {
+        SettingKind::Count { min, max } => {
+            schema.schema_type(SchemaType::Type(Type::Integer)).minimum(Some(min)).maximum(Some(max))
+        }
+        SettingKind::Switch => schema.schema_type(SchemaType::Type(Type::Boolean)),
+        SettingKind::Choice { names } => {
+            schema.schema_type(SchemaType::Type(Type::String)).enum_values(Some(names.iter().copied()))
+        }
+        SettingKind::Patterns => {
             let pattern = ObjectBuilder::new()
                 .schema_type(SchemaType::Type(Type::String))
                 .min_length(Some(1))
                 .max_length(Some(limits::PATTERN_CHARS));
             let list = ArrayBuilder::new().items(pattern).max_items(Some(limits::PATTERNS));
-            return list.description(description).default(Some(json!([]))).into();
+            return list.description(description).default(default).into();
         }
     };
     schema.into()

@@ -247,9 +247,9 @@ impl LoopAnswer {
 }
 
 impl SignView {
-    fn of(verdict: &Verdict, sign: &LookFor) -> Option<Self> {
+    fn of(verdict: &Verdict, LookFor { place, sign }: &LookFor) -> Option<Self> {
         Some(Self {
-            keyframe: verdict.candidates.get(sign.place)?.keyframe.to_string(),
+            keyframe: verdict.candidates.get(*place)?.keyframe.to_string(),
             class: sign.class.clone(),
             description: sign.description.clone(),
             position: [sign.position.x, sign.position.y, sign.position.z].map(rounded),

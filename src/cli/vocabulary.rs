@@ -138,7 +138,7 @@ fn train_on(args: &TrainArgs) -> Result<(), Failure> {
     if output.exists() && is_recording(output)? {
         return Err(format!("{} is a recording; the file to write comes last", output.display()).into());
     }
-    let mut set = TrainingSet::new();
+    let mut set = TrainingSet::default();
     for recording in &args.recordings {
         read_recording(recording, &mut set).map_err(|error| format!("{}: {error}", recording.display()))?;
     }
@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn keyframes_of_a_recording_train_a_vocabulary_whose_form_goes_by_the_name() {
         let line = r#"{"op":"keyframe","id":"k","body":{"stamp":{},"features":{"descriptor_bytes":8,"descriptors":"AAAAAAAAAAD//////////w"}}}"#;
-        let mut set = TrainingSet::new();
+        let mut set = TrainingSet::default();
         for text in [r#"{"op":"map","id":"m","body":{}}"#, line, r#"{"op":"query","keyframe":"k"}"#, line] {
             add_line(text.as_bytes(), &mut set).unwrap();
         }
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_line_that_is_no_operation_is_refused() {
-        let mut set = TrainingSet::new();
+        let mut set = TrainingSet::default();
         for text in [
             "[]",
             "{",

@@ -27,9 +27,9 @@ fn table() -> String {
         let values = match row.kind {
             SettingKind::Number { min, max, .. } => format!("{min} to {max}"),
             SettingKind::Count { min, max, .. } => format!("{min} to {max}"),
-            SettingKind::Switch { .. } => "true, false".to_owned(),
+            SettingKind::Switch => "true, false".to_owned(),
             SettingKind::Choice { names, .. } => names.join(", "),
-            SettingKind::Patterns { .. } => "regular expressions".to_owned(),
+            SettingKind::Patterns => "regular expressions".to_owned(),
         };
         let default = Settings::default().get(row.name).as_ref().map(shown).expect("a setting");
         let paper = row.paper.as_ref().map(shown).unwrap_or_default();

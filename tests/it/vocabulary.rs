@@ -16,7 +16,7 @@ fn descriptors(image: u64, count: u64) -> Vec<u8> {
 }
 
 fn vocabulary_file(folder: &std::path::Path) -> std::path::PathBuf {
-    let mut set = TrainingSet::new();
+    let mut set = TrainingSet::default();
     for image in 0..8 {
         set.add_image(DESCRIPTOR_BYTES, &descriptors(image, 40)).unwrap();
     }

@@ -32,6 +32,15 @@ pub struct Observation {
     pub crop_reading: Option<CropReading>,
 }
 
+impl Observation {
+    /// Returns the texts that it was read as: by the client, by a model, or both.
+    pub fn readings(&self) -> impl Iterator<Item = &str> {
+        let by_client = self.reading.as_deref();
+        let by_model = self.crop_reading.as_ref().map(|read| &*read.text);
+        by_client.into_iter().chain(by_model.filter(|text| by_client != Some(text)))
+    }
+}
+
 /// The outcome of a detection on arrival (the `outcome` of `openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {

@@ -6,7 +6,7 @@ use crate::named::named;
 
 named! {
     /// The kinds of events.
-    EventKind {
+    EventKind default KeyframeStored {
         /// A keyframe arrived.
         KeyframeStored = "keyframe_stored",
         /// A keyframe was deleted.
@@ -43,7 +43,7 @@ named! {
 
 /// One event. It is flat, so that a reader in any language needs one struct; what a kind does
 /// not speak of is empty.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Event {
     /// Its number in its map, growing by one; the id of the server-sent event.
     pub seq: u64,
@@ -76,20 +76,6 @@ pub struct Event {
 impl Event {
     /// Returns an event of which nothing is known but its kind; its number and version come when it is kept.
     pub fn of(kind: EventKind) -> Self {
-        Self {
-            seq: 0,
-            kind,
-            map_version: 0,
-            told: None,
-            anchor: None,
-            other: None,
-            keyframe: None,
-            candidate: None,
-            loop_id: None,
-            query: None,
-            session: None,
-            into: None,
-            detail: None,
-        }
+        Self { kind, ..Self::default() }
     }
 }

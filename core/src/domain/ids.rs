@@ -225,10 +225,9 @@ impl AnchorSeq {
 
     /// Returns the anchor that a public id names, if it has that form.
     pub fn from_public(text: &str) -> Option<Self> {
-        let digits = text.strip_prefix("a-")?;
-        let seq: u32 = digits.parse().ok()?;
+        let seq = Self(text.strip_prefix("a-")?.parse().ok()?);
         // `a-07` and `a-+7` would be second names of `a-7`.
-        (seq.to_string() == digits).then_some(Self(seq))
+        (seq.public() == text).then_some(seq)
     }
 }
 

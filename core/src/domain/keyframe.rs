@@ -93,7 +93,7 @@ impl Crop {
 }
 
 /// An object detected in a keyframe (§III: box, class, confidence and the map points it covers).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detection {
     /// The object's class, such as `door_number`.
     pub class: String,
@@ -119,17 +119,7 @@ impl Detection {
     /// Returns a detection of which nothing is known but its class, its confidence and its box `[x0, y0, x1, y1]` in
     /// pixels.
     pub fn of(class: &str, confidence: f64, box_px: [f64; 4]) -> Self {
-        Self {
-            class: class.to_owned(),
-            confidence,
-            box_px,
-            map_points: Vec::new(),
-            position_in_session: None,
-            range_assumed: false,
-            text: None,
-            description: None,
-            crop: None,
-        }
+        Self { class: class.to_owned(), confidence, box_px, ..Self::default() }
     }
 
     /// Returns what this detection says of the object, if it says anything.

@@ -7,10 +7,17 @@ use crate::geometry::Point3;
 pub struct LookFor {
     /// The place near which it hangs, by its number in an answer to "where am I?", or among the candidates of a loop query.
     pub place: usize,
+    /// The sign.
+    pub sign: NearbySign,
+}
+
+/// A sign near a keyframe that bears an identifier and hangs in one place only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearbySign {
     /// Its class.
     pub class: String,
     /// Its description.
     pub description: String,
-    /// Its position in the place's session, in metres.
+    /// Its centre in the session's frame, in metres.
     pub position: Point3,
 }

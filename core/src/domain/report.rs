@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::anchor::{AnchorState, Outcome};
+use super::change::Merge;
 use super::fleet_frames::Suspect;
 use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, SessionId};
 use super::judgement::{Asks, Estimate, JobState, Replaced, Tally};
@@ -208,15 +209,6 @@ pub struct FrameReport {
     pub loops: usize,
 }
 
-/// A pair of anchors that became one, or two again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MergeReport {
-    /// The older anchor, whose name both go by.
-    pub into: AnchorSeq,
-    /// The newer anchor.
-    pub from: AnchorSeq,
-}
-
 /// A job that asks a map's verdicts again, as it stands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JudgementReport {
@@ -252,7 +244,7 @@ pub struct LoopReport {
     /// The query that found it.
     pub query: Option<String>,
     /// The anchors it merged.
-    pub merged: Vec<MergeReport>,
+    pub merged: Vec<Merge>,
 }
 
 /// A backup that is verified and on disk; serialised, the note beside it.

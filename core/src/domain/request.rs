@@ -6,6 +6,7 @@ use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
 use super::named_detection::NamedDetection;
+pub use super::observation_update::{ChangedKeyframe, ChangedObservations};
 use super::release::MapBase;
 use super::settings::SettingValue;
 use super::verdict::Verify;
@@ -81,31 +82,6 @@ pub struct PoseCorrection {
     pub keyframes: Vec<(KeyframeId, Pose)>,
     /// The map points and their new positions, in the session's frame, in metres.
     pub map_points: Vec<(PointId, Point3)>,
-}
-
-/// Changes that a client's map made to the points and edges of keyframes that it had sent.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChangedObservations {
-    /// The session.
-    pub session: SessionId,
-    /// Map points that were fused into others, each with the one that stays; no point is fused twice, and none into itself,
-    /// by whatever way.
-    pub replaced: Vec<(PointId, PointId)>,
-    /// Map points that were culled, none of them fused.
-    pub removed: Vec<PointId>,
-    /// Keyframes of the session of which the client says more, none twice.
-    pub keyframes: Vec<ChangedKeyframe>,
-}
-
-/// The map points and covisible keyframes of a keyframe, as the client's map has them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChangedKeyframe {
-    /// The keyframe.
-    pub keyframe: KeyframeId,
-    /// All map points that it observes, ascending, if the client says so.
-    pub observes: Option<Vec<PointId>>,
-    /// Keyframes to be declared covisible besides those declared before, or with another number of shared points.
-    pub covisible: Vec<(KeyframeId, u32)>,
 }
 
 /// The keyframe that is asked about.

@@ -1,12 +1,14 @@
 //! A setting: its value, its kind, its source, and how a field of [`super::settings::Settings`] takes a value.
 
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::named::Named;
 use crate::semantics::Patterns;
 
-/// The type of a setting's value, with default and bounds.
-#[derive(Clone, Debug, PartialEq)]
+/// The value of a setting. A number that is no count is always written with a point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum SettingValue {
     /// A real number; its unit is in the setting's name.
     Number(f64),
@@ -20,13 +22,11 @@ pub enum SettingValue {
     Patterns(Patterns),
 }
 
-/// The values a setting takes, and where it starts.
+/// The values a setting takes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SettingKind {
     /// A real number in `[min, max]`.
     Number {
-        /// The default.
-        default: f64,
         /// The smallest value.
         min: f64,
         /// The largest value.
@@ -34,30 +34,20 @@ pub enum SettingKind {
     },
     /// A whole number in `[min, max]`.
     Count {
-        /// The default.
-        default: u32,
         /// The smallest value.
         min: u32,
         /// The largest value.
         max: u32,
     },
     /// On or off.
-    Switch {
-        /// The default.
-        default: bool,
-    },
+    Switch,
     /// One of several names.
     Choice {
-        /// The default.
-        default: &'static str,
         /// The names.
         names: &'static [&'static str],
     },
     /// Regular expressions, as [`Patterns::new`] takes them.
-    Patterns {
-        /// The default.
-        default: Patterns,
-    },
+    Patterns,
 }
 
 /// The source of a setting.
@@ -94,6 +84,8 @@ pub struct Setting {
     pub unit: Option<&'static str>,
     /// Its values.
     pub kind: SettingKind,
+    /// Where it starts.
+    pub default: SettingValue,
     /// The value in the paper's method, where that differs from ours by more than a threshold of the paper.
     pub paper: Option<SettingValue>,
     /// Its source.

@@ -55,11 +55,11 @@ named! {
 }
 
 macro_rules! setting_kind {
-    (Choice, $type:ty, $default:expr) => {
-        SettingKind::Choice { default: <$type>::as_str($default), names: <$type>::NAMES }
+    (Choice, $type:ty) => {
+        SettingKind::Choice { names: <$type>::NAMES }
     };
-    ($kind:ident, $type:ty, $default:expr $(, $min:expr, $max:expr)?) => {
-        SettingKind::$kind { default: $default $(, min: $min, max: $max)? }
+    ($kind:ident, $type:ty $(, $min:expr, $max:expr)?) => {
+        SettingKind::$kind { $(min: $min, max: $max)? }
     };
 }
 
@@ -101,7 +101,8 @@ macro_rules! settings {
                 $(Setting {
                     name: stringify!($name),
                     unit: first!($(Some($unit),)? None),
-                    kind: setting_kind!($kind, $type, $default $(, $min, $max)?),
+                    kind: setting_kind!($kind, $type $(, $min, $max)?),
+                    default: setting_value!($kind, $type, $default),
                     paper: first!($(Some(setting_value!($kind, $type, $paper)),)? None),
                     source: $source,
                     doc: $doc,

@@ -8,8 +8,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::settings::{SettingKind, SettingValue, Settings};
 use crate::semantics::Patterns;
 
-/// The value of a setting, whatever its kind. A number that is no count is always written with a point.
-#[derive(Serialize, Deserialize)]
+/// The value of a setting as it is written, whatever its kind.
+#[derive(Deserialize)]
 #[serde(untagged)]
 enum ValueForm {
     Switch(bool),
@@ -17,18 +17,6 @@ enum ValueForm {
     Number(f64),
     Patterns(Vec<String>),
     Choice(Box<str>),
-}
-
-impl From<SettingValue> for ValueForm {
-    fn from(value: SettingValue) -> Self {
-        match value {
-            SettingValue::Number(number) => Self::Number(number),
-            SettingValue::Count(count) => Self::Count(count),
-            SettingValue::Switch(switch) => Self::Switch(switch),
-            SettingValue::Choice(name) => Self::Choice(name.into()),
-            SettingValue::Patterns(patterns) => Self::Patterns(patterns.texts().to_vec()),
-        }
-    }
 }
 
 impl ValueForm {
@@ -50,8 +38,7 @@ impl ValueForm {
 
 impl Serialize for Settings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let changed = self.changed().map(|(name, value)| (name, ValueForm::from(value)));
-        changed.collect::<BTreeMap<&str, ValueForm>>().serialize(serializer)
+        self.changed().collect::<BTreeMap<_, _>>().serialize(serializer)
     }
 }
 

@@ -145,7 +145,7 @@ pub struct GeometryFigures {
 
 named! {
     /// The status of a geometric verification.
-    GeometryStatus {
+    GeometryStatus default Failed {
         /// It did not run; `reason` says why.
         Skipped = "skipped",
         /// It ran and found no transformation that explains enough.

@@ -17,7 +17,7 @@ use super::loops::{anchor_map, candidates, decision, fusion};
 use super::map::index;
 use super::verification::{resection, similarity};
 pub use constant::Constant;
-use constant::constant;
+use constant::constants;
 
 use crate::semantics;
 
@@ -37,204 +37,81 @@ pub fn constants() -> impl Iterator<Item = &'static Constant> {
     .flatten()
 }
 
-const ANCHORS: &[Constant] = &[
+const ANCHORS: &[Constant] = constants! {
     // What is near, and what it weighs.
-    constant(
-        "covisibility.max_gap_s",
-        index::MAX_GAP_S,
-        "s",
-        "ours: neighbours along the drive were taken no longer before or after it, by their clock",
-    ),
-    constant(
-        "anchor_map.min_distance_m",
-        anchor_map::LEAST_DISTANCE_M,
-        "m",
-        "ours: a nearer anchor weighs as if it stood at this distance",
-    ),
-    constant(
-        "odometry.slack_m",
-        tracked_path::SLACK_M,
-        "m",
-        "ours: a transformation may be off odometry by this on any way",
-    ),
+    "covisibility.max_gap_s" = index::MAX_GAP_S, "s",
+        "ours: neighbours along the drive were taken no longer before or after it, by their clock";
+    "anchor_map.min_distance_m" = anchor_map::LEAST_DISTANCE_M, "m",
+        "ours: a nearer anchor weighs as if it stood at this distance";
+    "odometry.slack_m" = tracked_path::SLACK_M, "m",
+        "ours: a transformation may be off odometry by this on any way";
     // What is read.
-    constant(
-        "numbering.values",
-        semantics::LEARNED_FROM_VALUES as f64,
-        "1",
-        "ours: values of one shape, each read alike in two keyframes or more, that make a numbering",
-    ),
-    constant(
-        "numbering.shown_values",
-        semantics::SHOWN_FROM_VALUES as f64,
-        "1",
-        "ours: values of one shape, read so, beside which numbers of other shapes with fewer values are of unknown kind",
-    ),
-    constant(
-        "information.specific_words",
-        semantics::ENOUGH_SPECIFIC_WORDS as f64,
-        "1",
-        "ours: specific words from which a text without an identifier has information level 4",
-    ),
-    constant(
-        "noise.digits_max",
-        semantics::NUMBER_DIGITS_MAX as f64,
-        "1",
-        "ours: digits of the longest number that is not looked at for zeros",
-    ),
-    constant(
-        "noise.zero_percent",
-        semantics::ZERO_PERCENT as f64,
-        "%",
-        "ours: share of zeros from which a longer number is noise",
-    ),
+    "numbering.values" = semantics::LEARNED_FROM_VALUES as f64, "1",
+        "ours: values of one shape, each read alike in two keyframes or more, that make a numbering";
+    "numbering.shown_values" = semantics::SHOWN_FROM_VALUES as f64, "1",
+        "ours: values of one shape, read so, beside which numbers of other shapes with fewer values are of unknown kind";
+    "information.specific_words" = semantics::ENOUGH_SPECIFIC_WORDS as f64, "1",
+        "ours: specific words from which a text without an identifier has information level 4";
+    "noise.digits_max" = semantics::NUMBER_DIGITS_MAX as f64, "1",
+        "ours: digits of the longest number that is not looked at for zeros";
+    "noise.zero_percent" = semantics::ZERO_PERCENT as f64, "%",
+        "ours: share of zeros from which a longer number is noise";
     // Which texts a model is asked about.
-    constant(
-        "judging.neighbours",
-        pairs::NEIGHBOURS_JUDGED as f64,
-        "1",
-        "ours: a text is judged by a model with so many of the texts most like it",
-    ),
-    constant(
-        "judging.small_class",
-        pairs::SMALL_CLASS as f64,
-        "1",
-        "ours: texts of a class in which texts that share no word are judged as well",
-    ),
-    constant(
-        "judging.widespread",
-        pairs::WIDESPREAD as f64,
-        "1",
-        "ours: a word in more texts than this tells none of them apart",
-    ),
-    constant(
-        "judging.near_by_chance",
-        near_in_meaning::NEAR_BY_CHANCE,
-        "1",
-        "ours: others of a class that may be as near as an embedding by chance",
-    ),
-    constant(
-        "judging.others_min",
-        near_in_meaning::OTHERS_MIN as f64,
-        "1",
-        "ours: others of a class from which the chance of being near is known",
-    ),
-    constant(
-        "judging.embedded_class",
-        pairs::EMBEDDED_CLASS_MAX as f64,
-        "1",
-        "ours: texts of a class up to which embeddings choose the pairs to be judged",
-    ),
-    constant(
-        "judging.better_crop",
-        find_description_tasks::BETTER_CROP,
-        "1",
-        "ours: how many times as large a crop must be to replace the one described before",
-    ),
+    "judging.neighbours" = pairs::NEIGHBOURS_JUDGED as f64, "1",
+        "ours: a text is judged by a model with so many of the texts most like it";
+    "judging.small_class" = pairs::SMALL_CLASS as f64, "1",
+        "ours: texts of a class in which texts that share no word are judged as well";
+    "judging.widespread" = pairs::WIDESPREAD as f64, "1",
+        "ours: a word in more texts than this tells none of them apart";
+    "judging.near_by_chance" = near_in_meaning::NEAR_BY_CHANCE, "1",
+        "ours: others of a class that may be as near as an embedding by chance";
+    "judging.others_min" = near_in_meaning::OTHERS_MIN as f64, "1",
+        "ours: others of a class from which the chance of being near is known";
+    "judging.embedded_class" = pairs::EMBEDDED_CLASS_MAX as f64, "1",
+        "ours: texts of a class up to which embeddings choose the pairs to be judged";
+    "judging.better_crop" = find_description_tasks::BETTER_CROP, "1",
+        "ours: how many times as large a crop must be to replace the one described before";
     // Candidates.
-    constant(
-        "candidates.undecided_min_score_share",
-        decision::UNDECIDED_MIN_SCORE_SHARE,
-        "1",
-        "ours: a candidate without anchors whose words score below this share of the reference score does not make the answer undecided",
-    ),
-    constant(
-        "candidates.revisits_per_anchor",
-        candidates::MAX_REVISITS_PER_ANCHOR as f64,
-        "1",
-        "ours: matching anchors, the oldest first, through which an anchor proposes candidates",
-    ),
-    constant(
-        "candidates.near_miss_neighbours",
-        candidates::NEAR_MISS_NEIGHBOURS as f64,
-        "1",
-        "ours: covisible keyframes of a near miss that are checked in its stead",
-    ),
-    constant(
-        "candidates.reciprocal_rank_offset",
-        fusion::RECIPROCAL_RANK_OFFSET,
-        "1",
-        "Cormack, Clarke and Buettcher, SIGIR 2009: what is added to each rank of a channel before its reciprocal counts",
-    ),
+    "candidates.undecided_min_score_share" = decision::UNDECIDED_MIN_SCORE_SHARE, "1",
+        "ours: a candidate without anchors whose words score below this share of the reference score does not make the answer undecided";
+    "candidates.revisits_per_anchor" = candidates::MAX_REVISITS_PER_ANCHOR as f64, "1",
+        "ours: matching anchors, the oldest first, through which an anchor proposes candidates";
+    "candidates.near_miss_neighbours" = candidates::NEAR_MISS_NEIGHBOURS as f64, "1",
+        "ours: covisible keyframes of a near miss that are checked in its stead";
+    "candidates.reciprocal_rank_offset" = fusion::RECIPROCAL_RANK_OFFSET, "1",
+        "Cormack, Clarke and Buettcher, SIGIR 2009: what is added to each rank of a channel before its reciprocal counts";
     // Anchor maps.
-    constant(
-        "distinctiveness.places_max",
-        distinctiveness::PLACES_MAX as f64,
-        "1",
-        "ours: counting of places ends here",
-    ),
-    constant(
-        "resection.points_min",
-        resection::MIN_POINTS as f64,
-        "points",
-        "ours: the fewest points of a keyframe that say where its camera stands",
-    ),
-    constant(
-        "resection.median_chi_square_max",
-        resection::MAX_MEDIAN_CHI_SQUARE,
-        "1",
-        "the median of chi-square with two degrees of freedom: a keyframe whose points are off by less in its own image keeps its pose",
-    ),
-    constant(
-        "resection.refined_on_medians",
-        resection::REFINED_ON_MEDIANS,
-        "1",
-        "ours: points of up to so many times the median squared error fix the camera's pose",
-    ),
-    constant(
-        "resection.rounds",
-        resection::ROUNDS as f64,
-        "1",
-        "ours: rounds of choosing points and refining the camera's pose",
-    ),
-    constant(
-        "similarity.rounds",
-        similarity::ROUNDS as f64,
-        "1",
-        "ours: rounds of refining a similarity and taking its inliers again, at most",
-    ),
-    constant(
-        "twins.alone_min_inliers",
-        twins::ALONE_MIN_INLIERS as f64,
-        "1",
-        "ours: inliers without map points from which two views are alike",
-    ),
-    constant(
-        "twins.kept_max",
-        twins::KEPT_MAX as f64,
-        "pairs",
-        "ours: twins of a map that are kept; none is looked for beyond",
-    ),
-    constant("company.same_offset_m", company::SAME_OFFSET_M, "m", "ours: two offsets this near are one"),
-    constant(
-        "company.neighbours_max",
-        company::NEIGHBOURS_MAX as f64,
-        "1",
-        "ours: neighbours of a text that are compared, the nearest first",
-    ),
-    constant(
-        "company.carriers_max",
-        company::CARRIERS_MAX as f64,
-        "1",
-        "ours: anchors of a text whose company is looked at, the oldest first",
-    ),
-];
+    "distinctiveness.places_max" = distinctiveness::PLACES_MAX as f64, "1",
+        "ours: counting of places ends here";
+    "resection.points_min" = resection::MIN_POINTS as f64, "points",
+        "ours: the fewest points of a keyframe that say where its camera stands";
+    "resection.median_chi_square_max" = resection::MAX_MEDIAN_CHI_SQUARE, "1",
+        "the median of chi-square with two degrees of freedom: a keyframe whose points are off by less in its own image keeps its pose";
+    "resection.refined_on_medians" = resection::REFINED_ON_MEDIANS, "1",
+        "ours: points of up to so many times the median squared error fix the camera's pose";
+    "resection.rounds" = resection::ROUNDS as f64, "1",
+        "ours: rounds of choosing points and refining the camera's pose";
+    "similarity.rounds" = similarity::ROUNDS as f64, "1",
+        "ours: rounds of refining a similarity and taking its inliers again, at most";
+    "twins.alone_min_inliers" = twins::ALONE_MIN_INLIERS as f64, "1",
+        "ours: inliers without map points from which two views are alike";
+    "twins.kept_max" = twins::KEPT_MAX as f64, "pairs",
+        "ours: twins of a map that are kept; none is looked for beyond";
+    "company.same_offset_m" = company::SAME_OFFSET_M, "m",
+        "ours: two offsets this near are one";
+    "company.neighbours_max" = company::NEIGHBOURS_MAX as f64, "1",
+        "ours: neighbours of a text that are compared, the nearest first";
+    "company.carriers_max" = company::CARRIERS_MAX as f64, "1",
+        "ours: anchors of a text whose company is looked at, the oldest first";
+};
 
-const FOUND: &[Constant] = &[
+const FOUND: &[Constant] = constants! {
     // What is found, held against tracking and anchors.
-    constant(
-        "odometry.turn_slack_rad",
-        tracked_path::TURN_SLACK_RAD,
-        "rad",
-        "ours: how far a transformation's turn may be off odometry on any way",
-    ),
-    constant(
-        "odometry.turn_per_drift_share",
-        tracked_path::TURN_PER_DRIFT_SHARE,
-        "rad",
-        "ours: what is added to it for each whole of odometry_max_drift_share: a heading that scatters moves the place by its share of the way over the root of three",
-    ),
-];
+    "odometry.turn_slack_rad" = tracked_path::TURN_SLACK_RAD, "rad",
+        "ours: how far a transformation's turn may be off odometry on any way";
+    "odometry.turn_per_drift_share" = tracked_path::TURN_PER_DRIFT_SHARE, "rad",
+        "ours: what is added to it for each whole of odometry_max_drift_share: a heading that scatters moves the place by its share of the way over the root of three";
+};
 
 #[cfg(test)]
 mod tests {

@@ -9,19 +9,19 @@ pub struct FeatureGroups {
 }
 
 impl FeatureGroups {
-    /// Groups `(node, feature)` pairs, ascending.
-    pub(super) fn of_sorted(pairs: impl ExactSizeIterator<Item = (u32, u32)>) -> Self {
+    /// Groups features, each given as one number: its node in the upper half, the feature below.
+    pub fn of(mut features: Vec<u64>) -> Self {
+        // One comparison of integers orders both.
+        features.sort_unstable();
         let mut groups: Vec<(u32, u32)> = Vec::new();
-        let mut features = Vec::with_capacity(pairs.len());
-        for (node, feature) in pairs {
-            features.push(feature);
-            let end = features.len() as u32;
+        for (end, feature) in (1..).zip(&features) {
+            let node = (feature >> 32) as u32;
             match groups.last_mut() {
                 Some(last) if last.0 == node => last.1 = end,
                 _ => groups.push((node, end)),
             }
         }
-        Self { groups, features }
+        Self { groups, features: features.iter().map(|&feature| feature as u32).collect() }
     }
 
     /// `(node, its features)`; the node's number is the one DBoW2 gives it.

@@ -162,7 +162,7 @@ proptest! {
         levels in 1..5_u32,
         seed in any::<u64>(),
     ) {
-        let mut set = TrainingSet::new();
+        let mut set = TrainingSet::default();
         for part in image.chunks(7) {
             set.add_image(16, &part.concat()).unwrap();
         }

@@ -259,7 +259,7 @@ fn the_fingerprint_is_the_content_s() {
 
 /// Two kinds of images: one of descriptors near 0x00, one near 0xff, all with one descriptor in common.
 fn training_set() -> TrainingSet {
-    let mut set = TrainingSet::new();
+    let mut set = TrainingSet::default();
     for image in 0..8_u8 {
         let base = if image % 2 == 0 { 0x00 } else { 0xff };
         let mut bytes = descriptors(&[0x3c]);
@@ -302,7 +302,7 @@ fn training_repeats_itself_and_depends_on_the_seed() {
 #[test]
 fn training_refuses_what_makes_no_vocabulary() {
     let settings = TrainSettings::default();
-    let nothing = train(&TrainingSet::new(), settings, |_| {}).unwrap_err();
+    let nothing = train(&TrainingSet::default(), settings, |_| {}).unwrap_err();
     assert_eq!(nothing.to_string(), "there are no descriptors to train on");
     let unary = train(&training_set(), TrainSettings { branching: 1, ..settings }, |_| {}).unwrap_err();
     assert_eq!(unary.to_string(), "k must be at least 2, it is 1");
@@ -311,7 +311,7 @@ fn training_refuses_what_makes_no_vocabulary() {
     assert!(set.add_image(8, &[0; 9]).is_err() && set.add_image(12, &[0; 12]).is_err());
     assert!(set.add_image(16, &[0; 16]).is_err());
     // Equal descriptors are one word.
-    let mut equal = TrainingSet::new();
+    let mut equal = TrainingSet::default();
     equal.add_image(32, &[5; 32 * 40]).unwrap();
     assert_eq!(train(&equal, settings, |_| {}).unwrap().word_count(), 1);
 }

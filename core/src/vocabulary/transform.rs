@@ -59,18 +59,17 @@ impl Vocabulary {
 
         let parts = self.arrays.parts();
         let mut words = Vec::with_capacity(landings.len());
-        let mut pairs = Vec::with_capacity(landings.len());
+        let mut features = Vec::with_capacity(landings.len());
         for (feature, landing) in (0_u64..).zip(&landings) {
             if parts.weight(landing.word) > 0.0 {
                 words.push(landing.word);
-                pairs.push(u64::from(parts.node_id(landing.node)) << 32 | feature);
+                features.push(u64::from(parts.node_id(landing.node)) << 32 | feature);
             }
         }
         words.sort_unstable();
-        pairs.sort_unstable();
         Ok(Transformed {
             words: WordVector::of_sorted(&words, |word| parts.weight(word)),
-            groups: FeatureGroups::of_sorted(pairs.iter().map(|&pair| ((pair >> 32) as u32, pair as u32))),
+            groups: FeatureGroups::of(features),
         })
     }
 

@@ -1,9 +1,9 @@
 //! §IV-C.2, the end: a confirmed loop merges what matched, and its revocation parts it again (M12).
 
+use revisit_core::domain::change::{Merge, MergeCause};
 use revisit_core::domain::event::{Event, EventKind};
 use revisit_core::domain::ids::{AnchorSeq, LoopId};
 use revisit_core::domain::loop_warning::LoopWarningCode;
-use revisit_core::domain::report::MergeReport;
 use revisit_core::{Decision, ReasonCode, Settings, Verdict};
 
 use super::scene::{Keyframe, NAMES, Scene, Sign, door, ids, keyframe, to_the_letter};
@@ -43,8 +43,8 @@ fn standing(scene: &Scene) -> Standing {
     }
 }
 
-fn pair(into: AnchorSeq, from: AnchorSeq) -> MergeReport {
-    MergeReport { into, from }
+fn pair(into: AnchorSeq, from: AnchorSeq) -> Merge {
+    Merge { into, from, cause: MergeCause::Loop("l-1".parse().expect("an id")) }
 }
 
 /// The loop and its two keyframes that an event tells of.

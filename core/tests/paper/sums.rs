@@ -269,7 +269,7 @@ fn an_undecided_answer_says_what_to_look_for() {
     let told = verdict
         .look_for
         .iter()
-        .map(|sign| (verdict.candidates[sign.place].keyframe.as_str(), sign.description.as_str()));
+        .map(|found| (verdict.candidates[found.place].keyframe.as_str(), found.sign.description.as_str()));
     assert_eq!(told.collect::<Vec<_>>(), [("one", "901"), ("other", "903")]);
     assert!(verdict.why.ends_with("Look for 901."), "{}", verdict.why);
     // Once it is read, the answer is a loop, and there is nothing to look for.

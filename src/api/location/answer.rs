@@ -211,8 +211,8 @@ impl PlaceView {
 }
 
 impl LookForView {
-    fn of(maps: &[AskedMapView], location: &Location, sign: &LookFor) -> Option<Self> {
-        let place = location.places.get(sign.place)?;
+    fn of(maps: &[AskedMapView], location: &Location, LookFor { place, sign }: &LookFor) -> Option<Self> {
+        let place = location.places.get(*place)?;
         Some(Self {
             class: sign.class.clone(),
             description: sign.description.clone(),

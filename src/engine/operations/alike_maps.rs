@@ -10,6 +10,7 @@ use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, 
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::screening::Stage;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 
@@ -85,7 +86,7 @@ impl Service {
             let comparisons = Comparisons::default();
             let asked = PlacedQuery::new((&probe.snapshot, &probe.features), &comparisons);
             let (seen, none) = ((&other.snapshot, &*other.features), FeatureSet::default());
-            let outcome = verify_views(&terms, &asked, seen, &none, seed);
+            let outcome = verify_views(&terms, Stage::AskGeometry, &asked, seen, &none, seed);
             let cameras = (&probe.snapshot.camera, &other.snapshot.camera);
             outcome.map_or(0, |outcome| alike_cells(&outcome.verification, cameras.0, cameras.1))
         };

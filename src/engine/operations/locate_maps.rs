@@ -143,7 +143,8 @@ impl Service {
             });
             if is_passed_over {
                 let is_without_words = !asked.are_words_compared || question.is_without_words();
-                let search = MapSearch::passed_over(asked.version, is_without_words);
+                // It has no candidate which would be chosen.
+                let search = MapSearch { version: asked.version, is_without_words, ..MapSearch::default() };
                 found.push((MapOfQuestion { asked, live: None }, search));
             } else {
                 found.extend(self.search(&asked.id, question, timings).await?);

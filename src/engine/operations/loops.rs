@@ -13,7 +13,7 @@ use crate::engine::maps::live::Decision;
 use crate::engine::maps::write_path::Manner;
 use crate::engine::{Result, Service, ServiceError, Stored};
 use crate::geometry::Sim3;
-use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
+use crate::recognition::anchors::loop_closure::{close_loop, revoke_loop};
 use crate::recognition::map::index::MapIndex;
 
 /// A scale this near 1 is one that was computed to be 1.
@@ -140,6 +140,6 @@ fn report(index: &MapIndex, closed: &Loop) -> LoopReport {
         keyframe: closed.keyframe_id.clone(),
         candidate: closed.candidate_id.clone(),
         query: closed.query.clone(),
-        merged: merges_of(index, &closed.id),
+        merged: index.objects().links_of_loop(&closed.id),
     }
 }

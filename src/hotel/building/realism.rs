@@ -3,6 +3,7 @@
 use super::floor_plan::FloorPlan;
 use super::texture::DESCRIPTOR_BITS;
 use crate::domain::keyframe::Keypoint;
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::Point3;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::hotel::robot::message::descriptor_bytes;
@@ -11,7 +12,7 @@ use crate::hotel::scoring::score;
 use crate::hotel::scoring::truth::{is_same_place, shared_points};
 use crate::hotel::sensing::camera::CAMERA;
 use crate::hotel::sequence::{Sequence, Step};
-use crate::recognition::verification::{Limits, Status, View, verify};
+use crate::recognition::verification::{Limits, View, verify};
 use crate::vocabulary::{DescriptorMismatch, Vocabulary, WordVector};
 
 /// Measured medians.
@@ -102,7 +103,7 @@ fn words(vocabulary: &Vocabulary, step: &Step) -> Result<WordVector, DescriptorM
 fn verified(query: &Step, candidate: &Step) -> Option<(bool, f64)> {
     let [query, candidate] = [Matchable::of(query)?, Matchable::of(candidate)?];
     let result = verify(&query.view(), &candidate.view(), &[], &Limits::DEFAULT, 0);
-    Some((result.status == Status::Verified, f64::from(result.inliers)))
+    Some((result.status == GeometryStatus::Verified, f64::from(result.inliers)))
 }
 
 struct Matchable {

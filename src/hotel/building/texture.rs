@@ -52,7 +52,7 @@ impl Patterns {
     /// Trains a vocabulary on images that belong to no world.
     pub fn vocabulary(&self) -> Result<Vocabulary, TrainError> {
         let mut rng = SeededRng::new(PATTERN_SEED, "vocabulary");
-        let mut set = TrainingSet::new();
+        let mut set = TrainingSet::default();
         for _ in 0..TRAINING_IMAGES {
             let corners = (0..TRAINING_CORNERS).map(|_| copy(self.model(&mut rng), &mut rng));
             let image: Vec<u8> = corners.collect::<Vec<_>>().iter().flat_map(bytes).collect();

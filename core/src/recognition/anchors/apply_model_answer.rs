@@ -31,15 +31,14 @@ pub struct Learned {
 
 /// A crop was read. `None` if the detection is gone, feeds no anchor any more, or was read for good or just so before.
 pub fn learn_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> {
-    let observation = index.anchor(read.anchor)?.observations.get(&(read.keyframe, read.detection))?;
-    let known = observation.crop_reading.as_ref();
+    let known = index.observation(read.anchor, (read.keyframe, read.detection))?.crop_reading.as_ref();
     let settled = known.is_some_and(|known| !known.degraded || *known == read.reading);
     if settled { None } else { replace_reading(index, read) }
 }
 
 /// Applies a reading, also where another one stands. `None` if the detection is gone, or feeds no anchor any more.
 pub fn replace_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> {
-    let observation = index.anchor(read.anchor)?.observations.get(&(read.keyframe, read.detection))?;
+    let observation = index.observation(read.anchor, (read.keyframe, read.detection))?;
     observation.crop_area_px?;
     // Read alike by another model: the anchor stays as it is.
     let is_news = observation.crop_reading.as_ref() != Some(&read.reading);
@@ -47,7 +46,7 @@ pub fn replace_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> 
     let concerned: BTreeSet<AnchorSeq> = index.objects().root(anchor).into_iter().collect();
     let mut record = Recorder::new(index);
     if is_news {
-        record.touch(anchor);
+        record.touch([anchor]);
     }
     let before = named(record.index(), &concerned);
     record.apply(vec![Change::CropRead(Box::new(read))]);
@@ -155,7 +154,7 @@ fn follow_up(mut record: Recorder<'_>, before: &Named) -> Learned {
     let changed: BTreeSet<AnchorSeq> =
         now.iter().filter(|(root, name)| before.get(root) != Some(name)).map(|(root, _)| *root).collect();
     for root in &changed {
-        record.touch(*root);
+        record.touch([*root]);
         tell_description(&mut record, *root);
     }
     for root in changed.iter().take(MAX_FOLLOWED) {
@@ -172,7 +171,6 @@ fn follow_up(mut record: Recorder<'_>, before: &Named) -> Learned {
 }
 
 fn newest_keyframe(index: &MapIndex, anchor: AnchorSeq) -> Option<KeyframeId> {
-    let object = index.objects().get(index.objects().root(anchor)?)?;
-    let newest = index.keyframes_of(object).pop_last()?;
+    let newest = index.keyframes_of(index.object_of(anchor)?).pop_last()?;
     Some(index.keyframe(newest)?.id.clone())
 }

@@ -11,7 +11,7 @@ use crate::recognition::map::recorder::{Decided, Recorder};
 /// Sets an anchor's description, or gives it back to its readings.
 pub fn describe(index: &mut MapIndex, anchor: AnchorSeq, description: Option<Box<str>>) -> Decided {
     let mut record = Recorder::new(index);
-    let object = record.index().objects().root(anchor).and_then(|root| record.index().objects().get(root));
+    let object = record.index().object_of(anchor);
     // Whoever describes a sign says that it hangs there.
     let members = object.filter(|_| description.is_some()).map(|object| object.members.clone());
     let hangs = members.into_iter().flatten().flat_map(|member| {
@@ -21,7 +21,7 @@ pub fn describe(index: &mut MapIndex, anchor: AnchorSeq, description: Option<Box
     });
     let changes = hangs.chain([Change::DescriptionSet(anchor, description)]).collect();
     record.apply(changes);
-    record.touch(anchor);
+    record.touch([anchor]);
     tell_description(&mut record, anchor);
     merge_all(&mut record, anchor, MapIndex::keyframes_of);
     tell_revisits(&mut record, None, &BTreeSet::from([anchor]));

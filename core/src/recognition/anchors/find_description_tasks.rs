@@ -143,7 +143,7 @@ fn stamp_s(index: &MapIndex, seen: &Observation) -> f64 {
 }
 
 fn waited_s(index: &MapIndex, seen: &Observation, latest: &BTreeMap<SessionSeq, i64>) -> f64 {
-    let session = index.keyframe(seen.keyframe).map(|keyframe| keyframe.session);
+    let session = index.session_of(seen.keyframe);
     let now = session.and_then(|session| latest.get(&session)).copied().unwrap_or_default();
     now as f64 - stamp_s(index, seen)
 }

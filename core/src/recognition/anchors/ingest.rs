@@ -8,7 +8,7 @@ use super::matching;
 use crate::domain::anchor::{Observation, Outcome};
 use crate::domain::change::{Change, Keyframe};
 use crate::domain::event::{Event, EventKind};
-use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionSeq};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
@@ -57,23 +57,26 @@ pub fn ingest(index: &mut MapIndex, new: &NewKeyframe) -> Ingested {
     let (keyframe, session) = add_keyframe(&mut record, new);
     let (outcomes, before) = associate_detections(&mut record, new, keyframe, session);
     let seen = record.index().objects_seen_by(keyframe);
-    for root in &seen {
-        record.touch(*root);
-    }
+    record.touch(seen.iter().copied());
     let changed = tell_described(&mut record, &seen, &before);
     merge_covisible(&mut record, keyframe, &seen, &changed);
     let revisits = tell_revisits(&mut record, Some(keyframe), &changed);
     Ingested { keyframe, outcomes, revisits, decided: record.finish() }
 }
 
+/// Returns the number of a session, which is added if the map does not know it.
+pub(super) fn session_of(index: &MapIndex, id: &SessionId, changes: &mut Vec<Change>) -> SessionSeq {
+    index.session(id).unwrap_or_else(|| {
+        let session = SessionSeq(index.sessions().len() as u32);
+        changes.push(Change::SessionAdded(session, id.clone()));
+        session
+    })
+}
+
 fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, SessionSeq) {
     let index = record.index();
     let mut changes = Vec::new();
-    let session = index.session(&new.session).unwrap_or_else(|| {
-        let session = SessionSeq(index.sessions().len() as u32);
-        changes.push(Change::SessionAdded(session, new.session.clone()));
-        session
-    });
+    let session = session_of(index, &new.session, &mut changes);
     if let (None, Some(vocabulary), false) = (index.vocabulary(), &new.vocabulary, new.bow.is_empty()) {
         changes.push(Change::VocabularySet(vocabulary.clone()));
     }
@@ -226,13 +229,8 @@ pub(in crate::recognition) fn merge_all(
         let Some(object) = index.objects().get(root) else { return };
         let around = around(index, object);
         let Some(merge) = matching::covisible_merge(index, root, &around) else { return };
-        let mut event = Event::of(EventKind::AnchorsMerged);
-        (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-        event.detail = Some("they match, their keyframes are covisible, and they stand close".into());
-        record.emit(event);
-        record.touch(merge.into);
-        record.touch(merge.from);
-        record.apply(vec![Change::Merged(merge)]);
+        let why = "they match, their keyframes are covisible, and they stand close";
+        record.merge(merge, |event| event.detail = Some(why.into()));
     }
 }
 

@@ -5,13 +5,12 @@ use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId};
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::method::Method;
-use crate::domain::report::MergeReport;
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::extensions::loop_warning::loop_warning;
-use crate::recognition::loops::anchor_map::{LocalName, local_anchor_map};
+use crate::recognition::loops::anchor_map::local_anchor_map;
 use crate::recognition::loops::centre::Centre;
-use crate::recognition::loops::comparison::compare;
+use crate::recognition::loops::comparison::{Matched, compare};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
@@ -52,13 +51,7 @@ fn merge_pairs(record: &mut Recorder<'_>, closed: &Loop, pairs: Vec<(AnchorSeq, 
             continue;
         }
         let merge = Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Loop(closed.id.clone()) };
-        let mut event = Event::of(EventKind::AnchorsMerged);
-        (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-        event.loop_id = Some(closed.id.clone());
-        record.emit(event);
-        record.touch(merge.into);
-        record.touch(merge.from);
-        record.apply(vec![Change::Merged(merge)]);
+        record.merge(merge, |event| event.loop_id = Some(closed.id.clone()));
     }
 }
 
@@ -79,16 +72,13 @@ fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq
     let candidate = local_anchor_map(index, &candidate, &mut places);
     let settings = Settings { method: Method::Revisit, ..index.properties().settings.clone() };
     let comparison = compare(&query, &candidate, index, &settings);
-    let pairs = comparison.matches.iter().filter_map(|pair| match (pair.query.name, pair.candidate.name) {
-        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => Some((a, b)),
-        _ => None,
-    });
-    pairs.collect()
+    let objects = |pair: &Matched<'_>| pair.query.name.object().zip(pair.candidate.name.object());
+    comparison.matches.iter().filter_map(objects).collect()
 }
 
 /// Takes a loop back: what it merged parts again, unless another loop that still stands matches it too.
-pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Decided) {
-    let made = merges_of(index, id);
+pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<Merge>, Decided) {
+    let made = index.objects().links_of_loop(id);
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopRevoked);
     event.loop_id = Some(id.clone());
@@ -97,19 +87,9 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
         event.candidate = Some(closed.candidate_id.clone());
     }
     record.emit(event);
-    for merge in &made {
-        record.touch(merge.into);
-        record.touch(merge.from);
-    }
+    record.touch(made.iter().flat_map(|merge| [merge.into, merge.from]));
     record.apply(vec![Change::LoopRemoved(id.clone())]);
     let objects = record.index().objects();
-    let parted =
-        made.iter().copied().filter(|merge| objects.root(merge.into) != objects.root(merge.from)).collect();
-    (parted, record.finish())
-}
-
-/// Returns the anchors a loop merged.
-pub fn merges_of(index: &MapIndex, id: &LoopId) -> Vec<MergeReport> {
-    let made = index.objects().links_of_loop(id).into_iter();
-    made.map(|merge| MergeReport { into: merge.into, from: merge.from }).collect()
+    let is_parted = |merge: &Merge| objects.root(merge.into) != objects.root(merge.from);
+    (made.into_iter().filter(is_parted).collect(), record.finish())
 }

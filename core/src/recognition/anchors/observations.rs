@@ -21,7 +21,6 @@ use super::ingest::{merge_all, names, tell_described, tell_revisits};
 use crate::domain::change::{
     Change, Declared, Keyframe, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed,
 };
-use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::recognition::map::culling::is_orphan;
 use crate::recognition::map::index::{Anchor, MapIndex};
@@ -34,12 +33,12 @@ pub const CHANGED_PAIRS_MAX: u64 = if cfg!(test) { 50_000 } else { 200_000_000 }
 /// Bytes of a number on disk, as a map's quota counts them.
 const NUMBER: usize = size_of::<f64>();
 
-/// The effect of changed observations on a map.
+/// The effect of changed observations, or of a merge of sessions, on a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservationsChanged {
-    /// The keyframes that observe other points now, or have other declared neighbours.
+    /// The keyframes that observe other points now, or have other declared neighbours; of a merge, those that moved.
     pub keyframes: usize,
-    /// The map points that are gone, fused or culled.
+    /// The map points that are gone, fused or culled; of a merge, those with a position that moved.
     pub map_points: usize,
     /// The anchors that turned out to be one with another.
     pub merged: usize,
@@ -98,9 +97,7 @@ pub fn change_observations(
     if !forgotten.is_empty() {
         changes.push(Change::PointsForgotten(session, forgotten.into()));
     }
-    for anchor in touched {
-        record.touch(anchor);
-    }
+    record.touch(touched);
     record.apply(changes);
     let index = record.index();
     let orphans: Box<[PointId]> = lost.into_iter().filter(|id| is_orphan(index, session, *id)).collect();
@@ -224,7 +221,7 @@ pub(super) fn points_of_detections(
     for seq in holders.collect::<BTreeSet<AnchorSeq>>() {
         let Some(anchor) = index.anchor(seq) else { continue };
         for observation in anchor.observations.values() {
-            let is_of_session = index.keyframe(observation.keyframe).is_some_and(|of| of.session == session);
+            let is_of_session = index.session_of(observation.keyframe) == Some(session);
             if is_of_session && observation.map_points.iter().any(|id| becomes.contains_key(id)) {
                 let points = now(observation.map_points.iter().copied(), becomes).into();
                 changed.push((seq, observation.keyframe, observation.detection, points));
@@ -306,19 +303,12 @@ pub(super) fn associate_anew(record: &mut Recorder<'_>, keyframes: BTreeSet<Keyf
     let mut open = keyframes.clone();
     while let Some(keyframe) = open.pop_first() {
         while let Some(merge) = late_sight(record.index(), keyframe) {
-            let mut event = Event::of(EventKind::AnchorsMerged);
-            (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-            event.detail =
-                Some("their keyframes share map points by now, and one lies within the other".into());
-            record.emit(event);
-            record.touch(merge.into);
-            record.touch(merge.from);
             let into = merge.into;
-            record.apply(vec![Change::Merged(merge)]);
+            let why = "their keyframes share map points by now, and one lies within the other";
+            record.merge(merge, |event| event.detail = Some(why.into()));
             // The object is larger now: what later keyframes founded may be one more sight of it.
             let index = record.index();
-            let object = index.objects().root(into).and_then(|root| index.objects().get(root));
-            let around = object.map(|object| index.covisibility().around(&index.keyframes_of(object)));
+            let around = index.object_of(into).map(|of| index.covisibility().around(&index.keyframes_of(of)));
             open.extend(around.into_iter().flatten().filter(|other| *other > keyframe));
         }
     }

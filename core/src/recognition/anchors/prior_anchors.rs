@@ -1,5 +1,6 @@
 //! A prior anchor is put (§9 of the contract): a plan shows a sign before any robot has seen it (M55).
 
+use super::ingest::session_of;
 use crate::domain::change::Change;
 use crate::domain::ids::{AnchorSeq, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
@@ -62,11 +63,7 @@ pub fn add_prior(index: &mut MapIndex, new: &NewPrior) -> (AnchorSeq, Decided) {
     let mut record = Recorder::new(index);
     let index = record.index();
     let (seq, mut changes) = (index.next_anchor(), Vec::new());
-    let frame = index.session(&new.frame).unwrap_or_else(|| {
-        let frame = SessionSeq(index.sessions().len() as u32);
-        changes.push(Change::SessionAdded(frame, new.frame.clone()));
-        frame
-    });
+    let frame = session_of(index, &new.frame, &mut changes);
     changes.push(Change::AnchorAdded(seq, new.class.as_str().into()));
     changes.push(Change::PriorSet(
         seq,

@@ -17,19 +17,13 @@ pub fn asked_today(index: &MapIndex, question: &PastQuestion) -> Option<Descript
         PastQuestion::Texts { function, class, a, b } => (*function, class, a, b),
         PastQuestion::Crop { keyframe, detection } => {
             let at = (*keyframe, *detection);
-            let mut seen = index.anchors_seen_by(*keyframe);
-            let anchor = seen.find(|anchor| {
-                index.anchor(*anchor).is_some_and(|anchor| anchor.observations.contains_key(&at))
-            })?;
-            let facts = index.anchor(anchor)?;
-            let hint = facts.observations.get(&at)?.reading.clone();
-            let (keyframe, detection) = at;
+            let anchor = index.fed_by(at)?;
             return Some(DescriptionTask::Reading {
                 anchor,
-                keyframe,
-                detection,
-                class: facts.class.clone(),
-                hint,
+                keyframe: at.0,
+                detection: at.1,
+                class: index.anchor(anchor)?.class.clone(),
+                hint: index.observation(anchor, at)?.reading.clone(),
             });
         }
     };
@@ -93,8 +87,7 @@ fn as_before(index: &MapIndex, answer: &Answer) -> bool {
     match answer {
         Answer::Verdict(verdict) => index.verdicts().says(verdict),
         Answer::Reading(read) => {
-            let seen = index.anchor(read.anchor);
-            let seen = seen.and_then(|anchor| anchor.observations.get(&(read.keyframe, read.detection)));
+            let seen = index.observation(read.anchor, (read.keyframe, read.detection));
             let known = seen.and_then(|seen| seen.crop_reading.as_ref());
             known.is_some_and(|known| known.text == read.reading.text)
         }

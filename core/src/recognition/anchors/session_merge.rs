@@ -6,7 +6,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-use super::observations::{Becomes, associate_anew, now, points_of_detections, with_bytes};
+use super::ingest::session_of;
+use super::observations::{
+    Becomes, ObservationsChanged, associate_anew, now, points_of_detections, with_bytes,
+};
 use crate::domain::change::{Change, Merge, MergeCause, PointsOfKeyframe, Renamed};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::former::FormerValues;
@@ -16,19 +19,6 @@ use crate::domain::session_merge::{MergeUndo, Renumbering, SessionMerge, Session
 use crate::geometry::Sim3;
 use crate::recognition::map::index::{MapIndex, OpenMerge};
 use crate::recognition::map::recorder::{Decided, Recorder};
-
-/// The effect of a merge of sessions on a map.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SessionsMerged {
-    /// The keyframes that moved.
-    pub keyframes: usize,
-    /// The map points with a position that moved.
-    pub map_points: usize,
-    /// The anchors that turned out to be one with another.
-    pub merged: usize,
-    /// The changes and events.
-    pub decided: Decided,
-}
 
 /// Finds the faults that only the map can tell: a session without keyframes, a plan's frame, or a map point whose number would be
 /// too large.
@@ -67,24 +57,9 @@ fn numbers_of(index: &MapIndex, session: SessionSeq) -> BTreeSet<PointId> {
         index.points().placed(session).into_iter().map(|(id, _)| id).collect();
     for keyframe in index.keyframes().filter(|keyframe| keyframe.session == session) {
         numbers.extend(keyframe.observes.iter());
-        for (_, _, points) in detections_of(index, keyframe.seq) {
-            numbers.extend(points.iter().copied());
-        }
+        numbers.extend(index.detections_of(keyframe.seq).flat_map(|(_, seen)| seen.map_points.iter()));
     }
     numbers
-}
-
-/// Returns the detections of a keyframe that feed an anchor, each with its map points.
-fn detections_of(
-    index: &MapIndex,
-    keyframe: KeyframeSeq,
-) -> impl Iterator<Item = (AnchorSeq, u16, &[PointId])> {
-    index.anchors_seen_by(keyframe).filter_map(|seq| Some((seq, index.anchor(seq)?))).flat_map(
-        move |(seq, anchor)| {
-            let of_keyframe = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
-            of_keyframe.map(move |((_, detection), seen)| (seq, *detection, &*seen.map_points))
-        },
-    )
 }
 
 /// Merges a session into another one; [`merge_faults`] finds no fault with it.
@@ -92,15 +67,11 @@ pub fn merge_sessions(
     index: &mut MapIndex,
     session: SessionSeq,
     request: &SessionMergeRequest,
-) -> SessionsMerged {
+) -> ObservationsChanged {
     let mut record = Recorder::keeping_former(index);
     let index = record.index();
     let mut changes = Vec::new();
-    let into = index.session(&request.into).unwrap_or_else(|| {
-        let into = SessionSeq(index.sessions().len() as u32);
-        changes.push(Change::SessionAdded(into, request.into.clone()));
-        into
-    });
+    let into = session_of(index, &request.into, &mut changes);
     let merge = SessionMerge {
         session,
         into,
@@ -110,15 +81,8 @@ pub fn merge_sessions(
     };
     let becomes = becomes(index, &merge);
     let keyframes = keyframes_of_session(index, session);
-    let mut undo = MergeUndo {
-        session,
-        into,
-        next_keyframe: merge.next_keyframe,
-        keyframes: keyframes.clone(),
-        points: Vec::new(),
-        detections: Vec::new(),
-        merges: Vec::new(),
-    };
+    let named = MergeUndo::naming(session, into, merge.next_keyframe);
+    let mut undo = MergeUndo { keyframes: keyframes.clone(), ..named };
     renumber(index, &becomes, &mut undo, &mut changes);
     for keyframe in &keyframes {
         move_keyframe(index, *keyframe, &merge.into_from_session, &mut changes);
@@ -126,9 +90,7 @@ pub fn merge_sessions(
     let map_points = move_points(index, &merge, &becomes, &mut changes);
     changes.push(Change::SessionsMerged(Box::new(merge)));
     let anchors: BTreeSet<AnchorSeq> = keyframes.iter().flat_map(|seq| index.anchors_seen_by(*seq)).collect();
-    for anchor in anchors {
-        record.touch(anchor);
-    }
+    record.touch(anchors);
     record.apply(changes);
     record.emit(told(EventKind::SessionsMerged, &request.session, &request.into));
     let looked_at = covisible_with_others(record.index(), &keyframes);
@@ -140,7 +102,7 @@ pub fn merge_sessions(
     });
     undo.merges = linked.collect();
     record.keep_undo(undo);
-    SessionsMerged { keyframes: keyframes.len(), map_points, merged, decided: record.finish() }
+    ObservationsChanged { keyframes: keyframes.len(), map_points, merged, decided: record.finish() }
 }
 
 fn told(kind: EventKind, session: &SessionId, into: &SessionId) -> Event {
@@ -165,7 +127,7 @@ fn renumber(index: &MapIndex, becomes: &Becomes, undo: &mut MergeUndo, changes: 
         return;
     }
     for (anchor, keyframe, detection, points) in points_of_detections(index, undo.session, becomes) {
-        let seen = index.anchor(anchor).and_then(|anchor| anchor.observations.get(&(keyframe, detection)));
+        let seen = index.observation(anchor, (keyframe, detection));
         undo.detections.extend(seen.map(|seen| (keyframe, detection, seen.map_points.clone())));
         changes.push(Change::PointsOfDetectionSet(anchor, keyframe, detection, points));
     }
@@ -199,13 +161,10 @@ fn renumber(index: &MapIndex, becomes: &Becomes, undo: &mut MergeUndo, changes: 
 /// Brings a keyframe, and its detections that are known by their positions, into the other frame.
 fn move_keyframe(index: &MapIndex, seq: KeyframeSeq, into_from_session: &Sim3, changes: &mut Vec<Change>) {
     let Some(keyframe) = index.keyframe(seq) else { return };
-    for anchor in index.anchors_seen_by(seq) {
-        let Some(observations) = index.anchor(anchor).map(|anchor| &anchor.observations) else { continue };
-        for ((_, detection), seen) in observations.range((seq, 0)..=(seq, u16::MAX)) {
-            if let Some(position) = &seen.position_in_session {
-                let moved = into_from_session.transform(position);
-                changes.push(Change::PositionSet(anchor, seq, *detection, moved));
-            }
+    for (anchor, seen) in index.detections_of(seq) {
+        if let Some(position) = &seen.position_in_session {
+            let moved = into_from_session.transform(position);
+            changes.push(Change::PositionSet(anchor, seq, seen.detection, moved));
         }
     }
     let pose = into_from_session.after(&Sim3::from(keyframe.map_from_camera)).without_scale();
@@ -249,22 +208,15 @@ pub fn revoke_merge(index: &mut MapIndex, undo: MergeUndo, former: &FormerValues
     let mut record = Recorder::keeping_former(index);
     let index = record.index();
     let mut changes = Vec::new();
-    let holder = |keyframe: KeyframeSeq, detection: u16| {
-        let feeds = |anchor: &AnchorSeq| {
-            let observations = index.anchor(*anchor).map(|anchor| &anchor.observations);
-            observations.is_some_and(|observations| observations.contains_key(&(keyframe, detection)))
-        };
-        index.anchors_seen_by(keyframe).find(feeds)
-    };
     for (keyframe, detection, points) in &undo.detections {
-        let anchor = holder(*keyframe, *detection);
+        let anchor = index.fed_by((*keyframe, *detection));
         changes.extend(
             anchor.map(|anchor| Change::PointsOfDetectionSet(anchor, *keyframe, *detection, points.clone())),
         );
     }
     changes.extend(undo.points.iter().map(|points| Change::PointsOfKeyframeSet(Box::new(points.clone()))));
     for (keyframe, detection, at) in &former.positions {
-        let anchor = holder(*keyframe, *detection);
+        let anchor = index.fed_by((*keyframe, *detection));
         changes.extend(anchor.map(|anchor| Change::PositionSet(anchor, *keyframe, *detection, *at)));
     }
     changes.extend(former.poses.iter().map(|(keyframe, pose)| Change::PoseSet(*keyframe, *pose)));
@@ -285,9 +237,7 @@ pub fn revoke_merge(index: &mut MapIndex, undo: MergeUndo, former: &FormerValues
     let name = |session: SessionSeq| index.sessions()[session.index()].clone();
     let event = told(EventKind::MergeRevoked, &name(undo.session), &name(undo.into));
     changes.push(Change::MergeRevoked(Box::new(undo)));
-    for anchor in anchors {
-        record.touch(anchor);
-    }
+    record.touch(anchors);
     record.apply(changes);
     record.emit(event);
     record.finish()

@@ -13,12 +13,11 @@ pub struct Constant {
     pub doc: &'static str,
 }
 
-/// Makes a row of the tables.
-pub(super) const fn constant(
-    name: &'static str,
-    value: f64,
-    unit: &'static str,
-    doc: &'static str,
-) -> Constant {
-    Constant { name, value, unit, doc }
+// Makes a table. A row: name, value, unit, meaning and source.
+macro_rules! constants {
+    ($($name:literal = $value:expr, $unit:literal, $doc:literal;)*) => {
+        &[$(Constant { name: $name, value: $value, unit: $unit, doc: $doc },)*]
+    };
 }
+
+pub(super) use constants;

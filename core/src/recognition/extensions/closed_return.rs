@@ -13,7 +13,6 @@ use super::returning::is_tracked;
 use crate::domain::change::{Loop, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::verdict::ClosedLoop;
-use crate::recognition::loops::anchor_map::LocalName;
 use crate::recognition::loops::comparison::{Comparison, Matched};
 use crate::recognition::loops::query::Query;
 use crate::recognition::map::index::{Anchor, MapIndex};
@@ -32,10 +31,8 @@ pub fn repeated_loop(
     if comparison.matches.is_empty() {
         return joined_return(index, query, candidate);
     }
-    let sign_of = |pair: &Matched<'_>| match (&pair.query.name, &pair.candidate.name) {
-        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) if a == b => Some(*a),
-        _ => None,
-    };
+    let sign_of =
+        |pair: &Matched<'_>| pair.query.name.object().filter(|_| pair.query.name == pair.candidate.name);
     if comparison.matches.iter().any(|pair| sign_of(pair).is_none()) {
         return None;
     }

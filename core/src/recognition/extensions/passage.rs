@@ -16,13 +16,12 @@ pub fn share_passage(index: &MapIndex, root: AnchorSeq, a: KeyframeSeq, b: Keyfr
     let Some(object) = index.objects().get(root) else { return false };
     let mut sightings = index.keyframes_of(object);
     sightings.extend([a, b]);
-    let session = |seq: KeyframeSeq| index.keyframe(seq).map(|keyframe| keyframe.session);
-    let (Some(own), (first, last)) = (session(a), (a.min(b), a.max(b))) else { return false };
-    if session(b) != Some(own) {
+    let own = index.session_of(a);
+    if own.is_none() || index.session_of(b) != own {
         return false;
     }
-    let between: Vec<KeyframeSeq> =
-        sightings.range(first..=last).copied().filter(|seq| session(*seq) == Some(own)).collect();
+    let between = sightings.range(a.min(b)..=a.max(b)).copied();
+    let between: Vec<KeyframeSeq> = between.filter(|seq| index.session_of(*seq) == own).collect();
     between.windows(2).all(|pair| are_joined(index, pair[0], pair[1]))
 }
 
@@ -33,9 +32,9 @@ pub fn is_seen_once(index: &MapIndex, root: AnchorSeq) -> bool {
         return false;
     }
     let Some(object) = index.objects().get(root) else { return false };
-    let session = |seq: KeyframeSeq| index.keyframe(seq).map(|keyframe| keyframe.session);
-    let is_one =
-        |pair: &[KeyframeSeq]| session(pair[0]) == session(pair[1]) && are_joined(index, pair[0], pair[1]);
+    let is_one = |pair: &[KeyframeSeq]| {
+        index.session_of(pair[0]) == index.session_of(pair[1]) && are_joined(index, pair[0], pair[1])
+    };
     let sightings: Vec<KeyframeSeq> = index.keyframes_of(object).into_iter().collect();
     sightings.windows(2).all(is_one)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::passage::{is_seen_once, share_passage};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
-use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
+use crate::recognition::loops::anchor_map::LocalAnchor;
 use crate::recognition::loops::comparison::{Comparison, Matched};
 use crate::recognition::loops::query::Query;
 use crate::recognition::map::index::MapIndex;
@@ -22,12 +22,8 @@ pub enum Returning {
 
 /// Whether a matched pair is one object of which the two keyframes are in one passage, or that was seen in one alone.
 pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, candidate: KeyframeSeq) -> bool {
-    match (&pair.query.name, &pair.candidate.name) {
-        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => {
-            a == b && (share_passage(index, *a, query, candidate) || is_seen_once(index, *a))
-        }
-        _ => false,
-    }
+    let one = pair.query.name.object().filter(|_| pair.query.name == pair.candidate.name);
+    one.is_some_and(|one| share_passage(index, one, query, candidate) || is_seen_once(index, one))
 }
 
 /// Returns how an identifier that matches is known, unless it was merely tracked from the candidate to the query (M41).
@@ -54,9 +50,8 @@ pub fn is_in_view(
     by_query: &BTreeSet<AnchorSeq>,
     by_candidate: &BTreeSet<AnchorSeq>,
 ) -> bool {
-    let sees = |anchor: &LocalAnchor, seen: &BTreeSet<AnchorSeq>| match anchor.name {
-        LocalName::MergedAnchor(root) => seen.contains(&root),
-        LocalName::Inline(_) => true,
+    let sees = |anchor: &LocalAnchor, seen: &BTreeSet<AnchorSeq>| {
+        anchor.name.object().is_none_or(|root| seen.contains(&root))
     };
     sees(pair.query, by_query) && sees(pair.candidate, by_candidate)
 }

@@ -32,9 +32,8 @@ impl<'a> Sighting<'a> {
     pub fn of(index: &'a MapIndex, root: AnchorSeq, session: SessionSeq) -> Option<Self> {
         let object = index.objects().get(root)?;
         let shape = object.shapes.get(&session).filter(|shape| !shape.range_assumed)?;
-        let in_session = |seq: &KeyframeSeq| index.keyframe(*seq).is_some_and(|k| k.session == session);
-        let anchors = object.members.iter().filter_map(|member| index.anchor(*member));
-        let first = anchors.filter_map(|anchor| anchor.keyframes().find(in_session)).min();
+        let in_session = |seq: &KeyframeSeq| index.session_of(*seq) == Some(session);
+        let first = index.anchors_of(object).filter_map(|anchor| anchor.keyframes().find(in_session)).min();
         let milestone = first.and_then(|first| index.milestone(first));
         Some(Self { centre: shape.aabb?.centre(), by: By::MergedAnchor(object), milestone })
     }

@@ -13,8 +13,8 @@ use crate::domain::change::{Change, Twins};
 use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::WithoutAnchors;
-use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
-use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
+use crate::domain::verdict::{CandidateDecision, GeometryStatus, ReasonCode, Verify};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, local_anchor_map};
 use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::comparison::compare;
@@ -27,7 +27,6 @@ use crate::recognition::loops::screening::{PreVerified, Screening, Stage};
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::{Certainty, MapIndex};
 use crate::recognition::map::recorder::{Decided, Recorder};
-use crate::recognition::verification::Status;
 
 /// Pairs of a map that are kept: one is enough, and the next stands in where its signs change.
 pub const KEPT_MAX: usize = 8;
@@ -74,7 +73,7 @@ pub fn suspects(index: &MapIndex, keyframe: KeyframeSeq, bow: &BowVector) -> Opt
             let centre = Centre::stored(index, candidate)?;
             let theirs = local_anchor_map(index, &centre, &mut places);
             let (own, other) = known_contradiction(&around, &theirs, index)?;
-            Some((candidate, score, object(own)?, object(other)?))
+            Some((candidate, score, own.name.object()?, other.name.object()?))
         });
         let Some((candidate, score, own, other)) = contradicted else { continue };
         let Some(snapshot) = GeometrySnapshot::stored(index, candidate) else { continue };
@@ -124,13 +123,6 @@ fn names_itself(index: &MapIndex, root: AnchorSeq) -> bool {
         .is_some_and(|description| description.certainty > Certainty::ReadOnce && description.text.has_name())
 }
 
-fn object(anchor: &LocalAnchor) -> Option<AnchorSeq> {
-    match anchor.name {
-        LocalName::MergedAnchor(root) => Some(root),
-        LocalName::Inline(_) => None,
-    }
-}
-
 impl Suspects {
     /// Returns the places of all in the list, the likest first.
     pub fn places(&self) -> Range<usize> {
@@ -155,7 +147,7 @@ impl Suspects {
         let pre_verified = &self.screening.candidates[at];
         let found =
             check_geometry(&self.screening, pre_verified, asked.as_ref(), features, SEED).ok()?.verification;
-        let is_alike = found.status == Status::Verified
+        let is_alike = found.status == GeometryStatus::Verified
             && (found.model.is_metric() || found.inliers >= ALONE_MIN_INLIERS);
         let (anchor, candidate_anchor) = self.signs[at];
         is_alike.then_some(Twins {

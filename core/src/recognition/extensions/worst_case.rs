@@ -1,8 +1,8 @@
 //! Where a model is missed: the verdicts in which the built-in judge stood in for one that is away, and those that a
 //! description still to come could turn.
 
-use crate::domain::anchor::AnchorState;
-use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
+use crate::domain::anchor::{AnchorState, Observation};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap};
 use crate::recognition::loops::comparison::Comparison;
 use crate::recognition::loops::equation_1::same_relative_place;
 use crate::recognition::loops::equation_2;
@@ -70,11 +70,10 @@ pub fn worst_case(
 
 /// Whether nothing has described this anchor, and there is a crop that a model has not looked at.
 fn is_awaited(index: &MapIndex, anchor: &LocalAnchor) -> bool {
-    let LocalName::MergedAnchor(root) = anchor.name else { return false };
-    let unread = |member: &crate::domain::ids::AnchorSeq| {
-        let mut seen = index.anchor(*member).into_iter().flat_map(|anchor| anchor.observations.values());
-        seen.any(|seen| seen.crop_area_px.is_some() && seen.crop_reading.is_none())
-    };
+    let unread = |seen: &Observation| seen.crop_area_px.is_some() && seen.crop_reading.is_none();
+    let object = anchor.name.object().and_then(|root| index.objects().get(root));
     anchor.state == AnchorState::Pending
-        && index.objects().get(root).is_some_and(|object| object.members.iter().any(unread))
+        && object.is_some_and(|object| {
+            index.anchors_of(object).flat_map(|anchor| anchor.observations.values()).any(unread)
+        })
 }

@@ -34,7 +34,7 @@ pub fn measured(index: &MapIndex) -> Measured {
     let mut measured =
         Measured { between: plans(index, &sessions), within: Vec::new(), left_out: 0, sessions };
     for closed in index.loops().values() {
-        let ends = [closed.keyframe, closed.candidate].map(|seq| index.keyframe(seq).map(|of| of.session));
+        let ends = [closed.keyframe, closed.candidate].map(|seq| index.session_of(seq));
         let [Some(keyframe), Some(candidate)] = ends else { continue };
         let transform = closed.candidate_from_query.filter(|_| index.properties().metric);
         match transform.and_then(|transform| Measurement::of_loop(index, closed, &transform)) {

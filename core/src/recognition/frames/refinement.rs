@@ -100,24 +100,22 @@ fn residual(placed: &BTreeMap<SessionSeq, Placed>, measurement: &Measurement, jo
     }
 }
 
-/// The derivatives of a residual by a small motion of either session: first the translation, then the rotation, in the root's frame,
-/// applied after the session's own transformation.
-struct Derivatives {
-    place: [(Matrix3<f64>, Matrix3<f64>); 2],
-    turn: [Matrix3<f64>; 2],
-}
-
-fn derivatives(residual: &Residual, joint: &Joint<'_>) -> Derivatives {
+/// Returns the derivatives of a residual by a small motion of either session: first the translation, then the rotation, in the
+/// root's frame, applied after the session's own transformation.
+fn jacobians(residual: &Residual, joint: &Joint<'_>) -> [Matrix6<f64>; 2] {
     let (by_m, by_rad) = (joint.allowed_m.recip(), joint.allowed_rad.recip());
     let [by_a, by_b] = residual.at.map(|at| at.cross_matrix());
     let moved = Matrix3::identity() * by_m;
-    Derivatives {
-        place: [(moved, -by_a * by_m), (-moved, by_b * by_m)],
-        turn: [
-            inverse_left_jacobian(&residual.turn_rad) * by_rad,
-            -inverse_left_jacobian(&-residual.turn_rad) * by_rad,
-        ],
-    }
+    let jacobian = |moved: Matrix3<f64>, swung: Matrix3<f64>, turned: Matrix3<f64>| {
+        let mut jacobian = Matrix6::zeros();
+        jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&moved);
+        jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&swung);
+        jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(&turned);
+        jacobian
+    };
+    let turned = inverse_left_jacobian(&residual.turn_rad) * by_rad;
+    let turned_back = -inverse_left_jacobian(&-residual.turn_rad) * by_rad;
+    [jacobian(moved, -by_a * by_m, turned), jacobian(-moved, by_b * by_m, turned_back)]
 }
 
 /// Returns the inverse of the left Jacobian of SO(3) at a rotation vector.
@@ -146,9 +144,8 @@ fn step(placed: &mut BTreeMap<SessionSeq, Placed>, joints: &[Joint<'_>], weights
     for (joint, weight) in joints.iter().zip(weights) {
         for measurement in &joint.measurements {
             let residual = residual(placed, measurement, joint);
-            let by = derivatives(&residual, joint);
             let ends = [measurement.a, measurement.b].map(|session| unknown.get(&session).copied());
-            system.add(ends, &by, &residual, *weight);
+            system.add(ends, &jacobians(&residual, joint), &residual, *weight);
         }
     }
     let moved = system.solve();
@@ -177,19 +174,17 @@ impl System {
         Self { diagonal: vec![held; count], joined: BTreeMap::new(), right: vec![Vector6::zeros(); count] }
     }
 
-    fn add(&mut self, ends: [Option<usize>; 2], by: &Derivatives, residual: &Residual, weight: f64) {
-        let jacobian = |end: usize| {
-            let mut jacobian = Matrix6::zeros();
-            jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&by.place[end].0);
-            jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&by.place[end].1);
-            jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(&by.turn[end]);
-            jacobian
-        };
-        let jacobians = [jacobian(0), jacobian(1)];
+    fn add(
+        &mut self,
+        ends: [Option<usize>; 2],
+        jacobians: &[Matrix6<f64>; 2],
+        residual: &Residual,
+        weight: f64,
+    ) {
         let mut off = Vector6::zeros();
         off.fixed_rows_mut::<3>(0).copy_from(&residual.place);
         off.fixed_rows_mut::<3>(3).copy_from(&residual.turn);
-        for (end, jacobian) in ends.iter().zip(&jacobians) {
+        for (end, jacobian) in ends.iter().zip(jacobians) {
             let Some(number) = *end else { continue };
             self.diagonal[number] += jacobian.transpose() * jacobian * weight;
             self.right[number] -= jacobian.transpose() * off * weight;

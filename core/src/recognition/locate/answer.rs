@@ -1,12 +1,13 @@
 //! The answer: places with their confidence, and what would tell ambiguous ones apart.
 
-use super::look_for::{NearbySign, telling_signs};
+use super::look_for::telling_signs;
 use super::map_search::MapSearch;
 use super::places::{PlaceEvidence, join, log_odds_alone, sum};
 use super::views::View;
 use crate::domain::counted::counted;
 use crate::domain::ids::KeyframeId;
 use crate::domain::location::{Location, LocationVerdict, Place, PlanPose};
+use crate::domain::look_for::NearbySign;
 use crate::domain::verdict::{Candidate, Reason, ReasonCode};
 use crate::recognition::loops::evidence::geometry_skipped;
 use crate::recognition::odds::log_odds::LogOdds;

@@ -10,9 +10,10 @@ use super::explained_cells::cells;
 use crate::domain::bow::{BowVector, Score};
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::Camera;
+use crate::domain::verdict::GeometryStatus;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::inverted_file::Scratch;
-use crate::recognition::verification::{Status, Verification};
+use crate::recognition::verification::Verification;
 
 /// Keyframes that are held against the other maps, at most.
 pub const PROBES_MAX: usize = 4;
@@ -60,7 +61,7 @@ pub fn most_alike(index: &MapIndex, bow: &BowVector) -> Option<(KeyframeSeq, Sco
 pub fn alike_cells(verification: &Verification, probe: &Camera, other: &Camera) -> usize {
     let [in_probe, in_other] = &verification.explained_pixels;
     match verification.status {
-        Status::Verified => {
+        GeometryStatus::Verified => {
             let common = cells(0, probe, in_probe).len().min(cells(0, other, in_other).len());
             if common >= ALIKE_FROM_CELLS { common } else { 0 }
         }

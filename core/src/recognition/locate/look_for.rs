@@ -2,8 +2,7 @@
 
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::KeyframeSeq;
-use crate::domain::look_for::LookFor;
-use crate::geometry::Point3;
+use crate::domain::look_for::{LookFor, NearbySign};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::{CELL_M, MapIndex};
 
@@ -11,17 +10,6 @@ use crate::recognition::map::index::{CELL_M, MapIndex};
 pub const NEARBY_MAX: usize = 12;
 /// Signs that an answer names.
 const NAMED_MAX: usize = 8;
-
-/// A sign near a keyframe that bears an identifier and hangs in one place only.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NearbySign {
-    /// Its class.
-    pub class: String,
-    /// Its description.
-    pub description: String,
-    /// Its centre in the session's frame, in metres.
-    pub position: Point3,
-}
 
 /// Returns the signs within [`CELL_M`] of a keyframe that bear an identifier and hang in one place only, the nearest first.
 pub fn nearby_signs(index: &MapIndex, keyframe: KeyframeSeq, counts: &mut PlaceCounts) -> Vec<NearbySign> {
@@ -68,12 +56,7 @@ pub fn telling_signs(places: &[(usize, &[NearbySign])]) -> Vec<LookFor> {
             places.iter().enumerate().any(|(other, (_, signs))| other != at && has(signs, sign))
         };
         let telling = signs.iter().filter(|sign| !elsewhere(sign));
-        found.extend(telling.map(|sign| LookFor {
-            place: *place,
-            class: sign.class.clone(),
-            description: sign.description.clone(),
-            position: sign.position,
-        }));
+        found.extend(telling.map(|sign| LookFor { place: *place, sign: sign.clone() }));
     }
     found.truncate(NAMED_MAX);
     found

@@ -18,7 +18,6 @@ use crate::geometry::{Point3, Pose};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_check::{AnchorCheck, Counts};
 use crate::recognition::loops::candidates::{Proposals, find_candidates};
-use crate::recognition::loops::evidence;
 use crate::recognition::loops::fusion::fuse;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
@@ -79,7 +78,7 @@ pub struct Proposed {
 }
 
 /// The findings of one map.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct MapSearch {
     /// The map's version.
     pub version: u64,
@@ -115,22 +114,6 @@ pub struct InPlan {
 }
 
 impl MapSearch {
-    /// Returns the findings of a map that has no candidate which would be chosen, at this version.
-    pub fn passed_over(version: u64, is_without_words: bool) -> Self {
-        Self {
-            version,
-            is_without_words,
-            screenings: Vec::new(),
-            proposed: Vec::new(),
-            sites: Vec::new(),
-            beside: BTreeSet::new(),
-            poses: Vec::new(),
-            pose_sessions: Vec::new(),
-            plans: BTreeMap::new(),
-            plan_frames: BTreeSet::new(),
-        }
-    }
-
     /// Whether two sites show one place.
     pub fn are_beside(&self, a: usize, b: usize) -> bool {
         a == b || self.beside.contains(&(a.min(b), a.max(b)))
@@ -214,11 +197,7 @@ fn propose(
     let anchors = AnchorCheck::new(index, query, Verify::Anchors, &mut counts);
     let (mut candidates, mut proposed) = (Vec::new(), Vec::new());
     for (keyframe, score, channels) in most_promising(index, &proposals) {
-        let Some(mut candidate) = evidence::unchecked(index, keyframe, score, proposals.reference_score)
-        else {
-            continue;
-        };
-        candidate.proposed = proposals.proposed_by(keyframe, channels);
+        let Some(candidate) = proposals.unchecked(index, keyframe, score, channels) else { continue };
         let checked = anchors.check(keyframe, candidate, &mut counts);
         let Some((checked, site)) = checked.zip(sites.of(keyframe, &mut counts.places)) else { continue };
         let pre_verified = opened(checked);
@@ -354,7 +333,7 @@ fn keyframes_seeing(
 ) -> Vec<KeyframeSeq> {
     let seen = objects.iter().filter_map(|object| index.objects().get(*object));
     let keyframes: BTreeSet<KeyframeSeq> = seen.flat_map(|object| index.keyframes_of(object)).collect();
-    let of_session = |seq: &KeyframeSeq| index.keyframe(*seq).is_some_and(|found| found.session == session);
+    let of_session = |seq: &KeyframeSeq| index.session_of(*seq) == Some(session);
     keyframes.into_iter().filter(|seq| of_session(seq) && !query.left_out.contains(seq)).collect()
 }
 

@@ -23,7 +23,7 @@ pub(in crate::recognition) const SAME_SPOT_IN_PLAN_M: f64 = 3.0;
 pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.0;
 
 /// Evidence for one site or anchor pose, before what lies beside each other is joined.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Clue {
     map: usize,
     /// The keyframe; none where only a plan's anchors say it.
@@ -256,13 +256,10 @@ fn of_candidate(searches: &[MapSearch], chosen: Chosen) -> Clue {
         map: chosen.map,
         site: Some(proposed.site),
         chosen: Some(chosen),
-        view: None,
-        anchor_pose: None,
-        stands_at: None,
         agreeing: proposed.signs.agreeing.iter().cloned().collect(),
         contradicting: proposed.signs.contradicting,
-        common_cells: 0,
         words: search.screenings[chosen.asked].candidates[chosen.candidate].candidate.bow.score,
+        ..Clue::default()
     }
 }
 
@@ -271,14 +268,10 @@ fn of_pose(map: usize, search: &MapSearch, number: usize) -> Clue {
     Clue {
         map,
         site: *site,
-        chosen: None,
-        view: None,
         anchor_pose: Some(number),
         stands_at: Some((pose.session, pose.pose.map_from_camera.centre())),
         agreeing: pose.identifiers.clone(),
-        contradicting: 0,
-        common_cells: 0,
-        words: 0.0,
+        ..Clue::default()
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::look_for::{NearbySign, nearby_signs};
+use super::look_for::nearby_signs;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, SessionId, SessionSeq};
+use crate::domain::look_for::NearbySign;
 use crate::geometry::Pose;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::MapIndex;
@@ -63,15 +64,11 @@ impl<'a> Sites<'a> {
         let around: Vec<BTreeSet<KeyframeSeq>> = (self.found.iter())
             .map(|site| self.index.covisibility().with_itself(site.keyframe).collect())
             .collect();
-        let radius_m = self.index.properties().settings.distinctive_place_radius_m;
-        let are_near = |a: &Site, b: &Site| {
-            let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
-            a.session == b.session && apart_m <= radius_m
-        };
         let mut beside = BTreeSet::new();
         for a in 0..self.found.len() {
             for b in a + 1..self.found.len() {
-                if are_near(&self.found[a], &self.found[b]) || !around[a].is_disjoint(&around[b]) {
+                let are_near = self.index.are_near(self.found[a].keyframe, self.found[b].keyframe);
+                if are_near || !around[a].is_disjoint(&around[b]) {
                     beside.insert((a, b));
                 }
             }

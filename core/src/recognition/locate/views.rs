@@ -5,11 +5,10 @@ use super::map_search::{LocateQuestion, MapSearch};
 use super::pose::of_covariance;
 use super::selection::Chosen;
 use crate::domain::location::{LocatedPose, PoseSource};
-use crate::domain::verdict::Candidate;
+use crate::domain::verdict::{Candidate, GeometryStatus};
 use crate::recognition::loops::decision::conclude_view;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
-use crate::recognition::verification::Status;
 
 /// The findings of geometry between a keyframe that asks and a candidate.
 #[derive(Clone, Debug)]
@@ -47,7 +46,7 @@ pub fn look(
     let checked = check_geometry(screening, pre_verified, asked, features, question.seed);
     let outcome = checked.as_ref().ok().cloned();
     let candidate = conclude_view(screening, pre_verified, checked).candidate;
-    let verified = outcome.filter(|outcome| outcome.verification.status == Status::Verified);
+    let verified = outcome.filter(|outcome| outcome.verification.status == GeometryStatus::Verified);
     let explained = verified.as_ref().map(|outcome| &outcome.verification.explained_pixels);
     let cameras = screening.snapshot.as_ref().zip(pre_verified.snapshot.as_ref());
     let (cells, candidate_cells) = match explained.zip(cameras) {

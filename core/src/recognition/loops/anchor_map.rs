@@ -25,6 +25,14 @@ pub enum LocalName {
 }
 
 impl LocalName {
+    /// Returns the object of the map, if it is one.
+    pub fn object(self) -> Option<AnchorSeq> {
+        match self {
+            Self::MergedAnchor(seq) => Some(seq),
+            Self::Inline(_) => None,
+        }
+    }
+
     /// Returns the name for the outside.
     pub fn public(self) -> AnchorName {
         match self {

@@ -8,11 +8,13 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+use super::evidence;
 use super::fusion::fuse;
 use super::query::Query;
 use crate::domain::bow::Score;
 use crate::domain::channel::{Channel, ProposedBy};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::verdict::Candidate;
 use crate::recognition::anchors::matching;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::covisible_groups::{
@@ -71,13 +73,21 @@ impl Proposals {
         self.candidates.iter().any(|candidate| candidate.keyframe == keyframe)
     }
 
-    /// Returns what a verdict says of the channels of a keyframe that was proposed by these; nothing where the query has no
-    /// global descriptor.
-    pub fn proposed_by(&self, keyframe: KeyframeSeq, channels: &[Channel]) -> Option<ProposedBy> {
-        let likenesses = self.likenesses.as_ref()?;
-        let at = likenesses.binary_search_by_key(&keyframe.0, |(keyframe, _)| *keyframe);
-        let similarity = at.ok().map(|at| likenesses[at].1.value());
-        Some(ProposedBy { channels: channels.to_vec(), similarity })
+    /// Returns a candidate that these channels proposed, before check 3; none if its keyframe was culled.
+    pub fn unchecked(
+        &self,
+        index: &MapIndex,
+        keyframe: KeyframeSeq,
+        score: Score,
+        channels: &[Channel],
+    ) -> Option<Candidate> {
+        let mut candidate = evidence::unchecked(index, keyframe, score, self.reference_score)?;
+        candidate.proposed = self.likenesses.as_ref().map(|likenesses| {
+            let at = likenesses.binary_search_by_key(&keyframe.0, |(keyframe, _)| *keyframe);
+            let similarity = at.ok().map(|at| likenesses[at].1.value());
+            ProposedBy { channels: channels.to_vec(), similarity }
+        });
+        Some(candidate)
     }
 }
 
@@ -210,7 +220,7 @@ fn other_passages(index: &MapIndex, query: &Query<'_>, object: &MergedAnchor) ->
         .collect();
     let session = query.centre.session;
     let elsewhere = |member: AnchorSeq, keyframe: &KeyframeSeq| {
-        !mine.contains(&member) || index.keyframe(*keyframe).map(|keyframe| keyframe.session) != session
+        !mine.contains(&member) || index.session_of(*keyframe) != session
     };
     let members = object.members.iter().filter_map(|member| Some((*member, index.anchor(*member)?)));
     members

@@ -13,7 +13,6 @@ use super::features::FeatureSet;
 use super::geometry_check::{Comparisons, PlacedQuery};
 use super::query::Query;
 use super::screening::{PreVerified, Screening};
-use crate::domain::change::Keyframe;
 use crate::domain::channel::Channel;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verdict, Verify};
 use crate::recognition::map::index::MapIndex;
@@ -48,8 +47,7 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
     // check 3, §V-A: the local anchor map around the query
     let anchors = AnchorCheck::new(map, query, verify, &mut counts);
     let mut check = |keyframe, score, channels: &[Channel]| {
-        let mut candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
-        candidate.proposed = proposals.proposed_by(keyframe, channels);
+        let candidate = proposals.unchecked(map, keyframe, score, channels)?;
         // check 3, §V-A: the local anchor map around the candidate; §V-B: Eq. (1) and Eq. (2) between the two
         anchors.check(keyframe, candidate, &mut counts)
     };
@@ -57,8 +55,7 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
         let (keyframe, score) = (proposal.keyframe, proposal.score);
         // check 2: no less alike than the query's own neighbours are, or a share of it (M9)
         if proposal.is_gated() && score.value() < min_score {
-            let mut candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
-            candidate.proposed = proposals.proposed_by(keyframe, &proposal.channels);
+            let candidate = proposals.unchecked(map, keyframe, score, &proposal.channels)?;
             let reason = evidence::reason(ReasonCode::BowBelowReference, score.value(), min_score);
             return Some(PreVerified::stopped(keyframe, candidate, CandidateDecision::Rejected, reason));
         }
@@ -80,15 +77,9 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
 /// Returns the pairs of candidates that are of one place: covisible, or near each other in one session's frame.
 fn joined(map: &MapIndex, candidates: &[PreVerified]) -> BTreeSet<(usize, usize)> {
     let pairs = (0..candidates.len()).flat_map(|a| (a + 1..candidates.len()).map(move |b| (a, b)));
-    let radius_m = map.properties().settings.distinctive_place_radius_m;
-    let are_near = |a: &Keyframe, b: &Keyframe| {
-        let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
-        a.session == b.session && apart_m <= radius_m
-    };
     let is_joined = |(a, b): &(usize, usize)| {
         let (a, b) = (candidates[*a].keyframe, candidates[*b].keyframe);
-        let stored = map.keyframe(a).zip(map.keyframe(b));
-        stored.is_some_and(|(a, b)| are_near(a, b)) || map.covisibility().joins(a, b)
+        map.are_near(a, b) || map.covisibility().joins(a, b)
     };
     pairs.filter(is_joined).collect()
 }

@@ -8,14 +8,14 @@ use super::features::FeatureSet;
 use super::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
 use super::letter;
 use super::screening::{PreVerified, Screening, Stage};
-use crate::domain::look_for::LookFor;
+use crate::domain::look_for::{LookFor, NearbySign};
 use crate::domain::settings::Settings;
 use crate::domain::verdict::{
     CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Decision, EvidenceKind, GeometryStatus, Reason,
     ReasonCode, Verdict, Verify,
 };
 use crate::recognition::locate::explained_cells::cells;
-use crate::recognition::locate::look_for::{NearbySign, telling_signs};
+use crate::recognition::locate::look_for::telling_signs;
 use crate::recognition::odds::bet::Bet;
 use crate::recognition::odds::conclusion::conclude;
 use crate::recognition::odds::rivals::strongest_rival;
@@ -71,13 +71,13 @@ pub(in crate::recognition) fn conclude_view(
     checked: Result<GeometryOutcome, &'static str>,
 ) -> Concluded {
     let mut candidate = pre_verified.candidate.clone();
-    let Some(bet) = &pre_verified.bet else {
-        letter::decide(screening, pre_verified, checked, &mut candidate);
-        return Concluded { candidate, sum: None };
-    };
     candidate.geometry = match &checked {
         Ok(outcome) => evidence::geometry(&outcome.verification),
         Err(missing) => evidence::geometry_skipped(missing),
+    };
+    let Some(bet) = &pre_verified.bet else {
+        letter::decide(screening, pre_verified, checked, &mut candidate);
+        return Concluded { candidate, sum: None };
     };
     let sum = sum(screening, pre_verified, bet, checked.as_ref().ok());
     conclude(&mut candidate, &sum, bet, screening.verify, &screening.settings);

@@ -14,7 +14,7 @@ use crate::domain::verdict::{
 use crate::recognition::extensions::contradiction::Contradiction;
 use crate::recognition::extensions::worst_case::WorstCase;
 use crate::recognition::map::index::MapIndex;
-use crate::recognition::verification::{Failure, Status, Verification};
+use crate::recognition::verification::{Failure, Verification};
 use crate::semantics::TextKind;
 
 /// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (M36).
@@ -89,11 +89,7 @@ pub(in crate::recognition) fn geometry_skipped(reason: &str) -> GeometryEvidence
 
 pub(in crate::recognition) fn geometry(verification: &Verification) -> GeometryEvidence {
     GeometryEvidence {
-        status: match verification.status {
-            Status::Verified => GeometryStatus::Verified,
-            Status::Failed => GeometryStatus::Failed,
-            Status::Skipped => GeometryStatus::Skipped,
-        },
+        status: verification.status,
         reason: verification.failure.map(|failure| failure.to_string()),
         figures: Some(GeometryFigures {
             model: verification.model.as_str(),
@@ -103,7 +99,7 @@ pub(in crate::recognition) fn geometry(verification: &Verification) -> GeometryE
             log10_false_alarms: verification.log10_false_alarms,
             mean_reprojection_error_px: verification.mean_reprojection_error_px,
             candidate_from_query: verification.candidate_from_query,
-            covariance: verification.covariance.filter(|_| verification.status == Status::Verified),
+            covariance: verification.covariance.filter(|_| verification.status == GeometryStatus::Verified),
         }),
     }
 }

@@ -135,21 +135,11 @@ pub fn check_geometry(
     let asked = asked.ok_or("the query has no features or no camera")?;
     let candidate = found.ok_or("the candidate has no features or no camera")?;
     let terms = Terms { settings: &screening.settings, metric: screening.metric };
-    verify_pair(&terms, pre_verified.stage, asked, candidate, features, seed)
+    verify_views(&terms, pre_verified.stage, asked, candidate, features, seed)
 }
 
-/// Runs geometry on two keyframes, whatever their anchors say, by the numbers of geometry alone.
+/// Runs geometry on two keyframes, by the numbers of geometry alone where `stage` has it asked.
 pub fn verify_views(
-    terms: &Terms<'_>,
-    query: &PlacedQuery<'_>,
-    candidate: Seeing<'_>,
-    features: &FeatureSet,
-    seed: u64,
-) -> Result<GeometryOutcome, &'static str> {
-    verify_pair(terms, Stage::AskGeometry, query, candidate, features, seed)
-}
-
-fn verify_pair(
     terms: &Terms<'_>,
     stage: Stage,
     asked: &PlacedQuery<'_>,

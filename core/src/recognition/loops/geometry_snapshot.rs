@@ -124,8 +124,7 @@ impl GeometrySnapshot {
 }
 
 fn window(index: &MapIndex, seq: KeyframeSeq, session: SessionSeq) -> Vec<KeyframeSeq> {
-    let of_session =
-        |(other, _): &(KeyframeSeq, u32)| index.keyframe(*other).is_some_and(|k| k.session == session);
+    let of_session = |(other, _): &(KeyframeSeq, u32)| index.session_of(*other) == Some(session);
     let mut neighbours: Vec<(KeyframeSeq, u32)> =
         index.covisibility().shared(seq).filter(of_session).collect();
     neighbours.sort_by_key(|(other, shared)| (std::cmp::Reverse(*shared), *other));

@@ -6,10 +6,10 @@ use super::evidence;
 use super::geometry_check::GeometryOutcome;
 use super::screening::{PreVerified, Screening, Stage};
 use crate::domain::settings::{Settings, WithoutAnchors};
-use crate::domain::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
+use crate::domain::verdict::{Candidate, CandidateDecision, GeometryStatus, Reason, ReasonCode, Verify};
 use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::worst_case::WorstCase;
-use crate::recognition::verification::{Failure, Status};
+use crate::recognition::verification::Failure;
 
 /// Decides by the anchors alone, §V-B: lets a candidate pass, or stops it. `missing` is what descriptions wait for.
 pub fn judge_anchors(
@@ -53,7 +53,7 @@ pub fn decide(
     };
     let must_verify = screening.verify == Verify::Geometry || pre_verified.stage == Stage::AskGeometry;
     match &checked {
-        Ok(outcome) if outcome.verification.status == Status::Failed => {
+        Ok(outcome) if outcome.verification.status == GeometryStatus::Failed => {
             let reason = evidence::too_few_inliers(&outcome.verification, &screening.settings);
             let is_metric = outcome.verification.model.is_metric();
             if is_metric || pre_verified.identifier == Returning::No {
@@ -62,7 +62,7 @@ pub fn decide(
                 settle(CandidateDecision::Undecided, reason);
             }
         }
-        Ok(outcome) if outcome.verification.status == Status::Skipped => {
+        Ok(outcome) if outcome.verification.status == GeometryStatus::Skipped => {
             // A check that cannot run rejects nothing: where it need not, the anchors decide.
             if must_verify {
                 let why =
@@ -77,10 +77,6 @@ pub fn decide(
         }
         Ok(_) | Err(_) => {}
     }
-    candidate.geometry = match &checked {
-        Ok(outcome) => evidence::geometry(&outcome.verification),
-        Err(missing) => evidence::geometry_skipped(missing),
-    };
 }
 
 /// Returns the matches and their limit where so few match that the two need not see one place, whatever their anchors say.

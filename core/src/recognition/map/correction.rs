@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
+use crate::domain::anchor::Observation;
 use crate::domain::change::Change;
 use crate::domain::counted::counted;
 use crate::domain::event::{Event, EventKind};
@@ -29,9 +30,7 @@ pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correctio
     }
     let points = correction.map_points.iter();
     changes.extend(points.map(|(id, position)| Change::PointSet(session, *id, *position)));
-    for anchor in touched(record.index(), session, correction, &changes) {
-        record.touch(anchor);
-    }
+    record.touch(touched(record.index(), session, correction, &changes));
     record.apply(changes);
     let mut event = Event::of(EventKind::PosesCorrected);
     event.session = record.index().sessions().get(session.index()).cloned();
@@ -50,17 +49,11 @@ fn moved_positions(index: &MapIndex, keyframe: KeyframeSeq, now: &Pose) -> Vec<C
     if before == *now {
         return Vec::new();
     }
-    let mut changes = Vec::new();
-    for seq in index.anchors_seen_by(keyframe) {
-        let Some(anchor) = index.anchor(seq) else { continue };
-        for observation in anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX)).map(|(_, o)| o) {
-            if let Some(position) = observation.position_in_session {
-                let moved = now.transform(&before.inverse_transform(&position));
-                changes.push(Change::PositionSet(seq, keyframe, observation.detection, moved));
-            }
-        }
-    }
-    changes
+    let moved = |(anchor, seen): (AnchorSeq, &Observation)| {
+        let moved = now.transform(&before.inverse_transform(&seen.position_in_session?));
+        Some(Change::PositionSet(anchor, keyframe, seen.detection, moved))
+    };
+    index.detections_of(keyframe).filter_map(moved).collect()
 }
 
 /// Returns the anchors of which a position or a map point moves.

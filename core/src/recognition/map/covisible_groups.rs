@@ -38,13 +38,6 @@ pub struct PlaceScratch {
     dropped: HashSet<u32>,
 }
 
-impl PlaceScratch {
-    /// Memory that will grow to the size of the searches it is used for.
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 /// Returns the best-scoring keyframe of each place, best first.
 ///
 /// `scores` gives every keyframe with its score, and may be asked for them more than once.
@@ -190,7 +183,7 @@ mod tests {
 
     /// Returns a keyframe of two words of which the query knows one: it scores about `share` of 64.
     fn file_of(shares: &[u32]) -> InvertedFile {
-        let mut file = InvertedFile::new();
+        let mut file = InvertedFile::default();
         for (keyframe, &share) in shares.iter().enumerate() {
             let entries = vec![(1, f64::from(share)), (2, f64::from(64 - share))];
             file.insert(keyframe as u32, &BowVector::normalised(entries).unwrap());
@@ -213,11 +206,11 @@ mod tests {
         ) {
             let (file, graph) = (file_of(&shares), graph(&edges));
             let limits = PlaceLimits { places_max, min_score };
-            let mut scratch = Scratch::new();
+            let mut scratch = Scratch::default();
             let scores = file.score_all(&query(), &mut scratch);
             let all: Vec<_> = scores.iter().collect();
 
-            let mut place_scratch = PlaceScratch::new();
+            let mut place_scratch = PlaceScratch::default();
             for _ in 0..2 {
                 let found = best_places(
                     || scores.iter(), limits, |keyframe| keyframe % excluded == 0, |a, b| b.cmp(&a),
@@ -233,7 +226,7 @@ mod tests {
         let shares: Vec<u32> = (0..1000).map(|keyframe| if keyframe < 990 { 60 } else { 10 }).collect();
         let crowd: Vec<u32> = (0..990).collect();
         let file = file_of(&shares);
-        let mut scratch = Scratch::new();
+        let mut scratch = Scratch::default();
         let scores = file.score_all(&query(), &mut scratch);
         let limits = PlaceLimits { places_max: 3, min_score: 0.0 };
         let crowd_of = |keyframe| if keyframe < 990 { crowd.clone() } else { vec![] };
@@ -243,7 +236,7 @@ mod tests {
             |_| false,
             |a, b| a.cmp(&b),
             crowd_of,
-            &mut PlaceScratch::new(),
+            &mut PlaceScratch::default(),
         );
         assert_eq!(found.iter().map(|&(keyframe, _)| keyframe).collect::<Vec<_>>(), [0, 990, 991]);
     }
@@ -255,7 +248,7 @@ mod tests {
             [7, 3, 5, 7, 9, 1, 2],
             3,
             |keyframe| of(&graph, keyframe),
-            &mut PlaceScratch::new(),
+            &mut PlaceScratch::default(),
         );
         assert_eq!(found, [7, 5, 9]);
     }

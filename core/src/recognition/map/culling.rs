@@ -16,9 +16,7 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
     let mut record = Recorder::new(index);
     let points = points_of(record.index(), keyframe);
     let seen: Vec<AnchorSeq> = record.index().anchors_seen_by(keyframe).collect();
-    for anchor in &seen {
-        record.touch(*anchor);
-    }
+    record.touch(seen.iter().copied());
     let mut event = Event::of(EventKind::KeyframeRemoved);
     event.keyframe = record.index().keyframe(keyframe).map(|culled| culled.id.clone());
     record.emit(event);
@@ -42,10 +40,7 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
 fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTreeSet<PointId>)> {
     let culled = index.keyframe(keyframe)?;
     let mut points: BTreeSet<PointId> = culled.observes.iter().collect();
-    for anchor in index.anchors_seen_by(keyframe).filter_map(|anchor| index.anchor(anchor)) {
-        let observed = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
-        points.extend(observed.flat_map(|(_, observation)| observation.map_points.iter()));
-    }
+    points.extend(index.detections_of(keyframe).flat_map(|(_, seen)| seen.map_points.iter()));
     Some((culled.session, points))
 }
 
@@ -81,9 +76,9 @@ fn remove_anchor(record: &mut Recorder<'_>, anchor: AnchorSeq) {
             // Both links held the two together; the loop is the one that may be revoked.
             let cause = if *cause == MergeCause::Covisible { first_cause } else { cause };
             changes.push(Change::Merged(Merge { into: *oldest, from: *other, cause: cause.clone() }));
-            record.touch(*other);
+            record.touch([*other]);
         }
-        record.touch(*oldest);
+        record.touch([*oldest]);
     }
     record.apply(changes);
 }

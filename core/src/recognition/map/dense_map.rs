@@ -91,13 +91,6 @@ impl<T> DenseMap<T> {
     }
 }
 
-impl<T: Default> DenseMap<T> {
-    /// Returns the value under a number, made if there is none.
-    pub fn get_or_default(&mut self, number: usize) -> &mut T {
-        self.get_or_insert_with(number, T::default)
-    }
-}
-
 impl<T> Default for DenseMap<T> {
     fn default() -> Self {
         Self { pages: Vec::new() }
@@ -156,7 +149,7 @@ mod tests {
         one.insert(3, 'a');
         one.insert(1000, 'b');
         one.remove(1000);
-        *other.get_or_default(3) = 'a';
+        *other.get_or_insert_with(3, char::default) = 'a';
         assert_eq!(one, other);
         other.insert(4, 'a');
         assert_ne!(one, other);

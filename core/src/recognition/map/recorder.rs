@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::index::MapIndex;
-use crate::domain::change::Change;
-use crate::domain::event::Event;
+use crate::domain::change::{Change, Merge};
+use crate::domain::event::{Event, EventKind};
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::session_merge::MergeUndo;
@@ -100,9 +100,7 @@ impl<'a> Recorder<'a> {
                 former.forgotten.extend(before.map(|(id, position)| (*session, id, position)));
             }
             Change::PositionSet(anchor, keyframe, detection, _) => {
-                let observation = index
-                    .anchor(*anchor)
-                    .and_then(|anchor| anchor.observations.get(&(*keyframe, *detection)));
+                let observation = index.observation(*anchor, (*keyframe, *detection));
                 let before = observation.and_then(|observation| observation.position_in_session);
                 former.positions.extend(before.map(|before| (*keyframe, *detection, before)));
             }
@@ -110,9 +108,19 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Something about this anchor's object changes: its version grows when the request ends.
-    pub fn touch(&mut self, anchor: AnchorSeq) {
-        self.touched.insert(anchor);
+    /// Something about the objects of these anchors changes: their versions grow when the request ends.
+    pub fn touch(&mut self, anchors: impl IntoIterator<Item = AnchorSeq>) {
+        self.touched.extend(anchors);
+    }
+
+    /// Two anchors turn out to be one object; `told` adds to the event that says so.
+    pub fn merge(&mut self, merge: Merge, told: impl FnOnce(&mut Event)) {
+        let mut event = Event::of(EventKind::AnchorsMerged);
+        (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
+        told(&mut event);
+        self.emit(event);
+        self.touch([merge.into, merge.from]);
+        self.apply(vec![Change::Merged(merge)]);
     }
 
     /// Something happened.
@@ -149,12 +157,13 @@ impl<'a> Recorder<'a> {
 
 /// Returns the sessions whose keyframes or map points a change concerns, before it is applied.
 fn written_in(index: &MapIndex, change: &Change) -> Vec<SessionSeq> {
-    let of_keyframe = |seq: &KeyframeSeq| index.keyframe(*seq).map(|keyframe| keyframe.session);
+    let of_keyframe = |seq: &KeyframeSeq| index.session_of(*seq).into_iter().collect();
     match change {
         Change::KeyframeAdded(keyframe, _) => vec![keyframe.session],
-        Change::KeyframeRemoved(seq, _) | Change::PoseSet(seq, _) => of_keyframe(seq).into_iter().collect(),
-        Change::PointsOfKeyframeSet(points) => of_keyframe(&points.keyframe).into_iter().collect(),
-        Change::PointsOfDetectionSet(_, keyframe, ..) => of_keyframe(keyframe).into_iter().collect(),
+        Change::KeyframeRemoved(seq, _)
+        | Change::PoseSet(seq, _)
+        | Change::PointsOfDetectionSet(_, seq, ..) => of_keyframe(seq),
+        Change::PointsOfKeyframeSet(points) => of_keyframe(&points.keyframe),
         Change::PointSet(session, ..) | Change::PointsForgotten(session, _) => vec![*session],
         Change::SessionsMerged(merge) => vec![merge.session, merge.into],
         _ => Vec::new(),

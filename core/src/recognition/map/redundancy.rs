@@ -44,9 +44,7 @@ pub fn find_redundant(index: &MapIndex, from: KeyframeSeq, most: usize) -> Redun
 fn is_redundant(index: &MapIndex, keyframe: &Keyframe, going: &BTreeSet<KeyframeSeq>) -> bool {
     let stays = |other: KeyframeSeq| other != keyframe.seq && !going.contains(&other);
     let is_seen = |root: &AnchorSeq| {
-        let object = index.objects().get(*root);
-        let members = object.into_iter().flat_map(|object| &object.members);
-        let anchors = members.filter_map(|member| index.anchor(*member));
+        let anchors = index.objects().get(*root).into_iter().flat_map(|object| index.anchors_of(object));
         anchors.flat_map(Anchor::keyframes).any(stays)
     };
     if keyframe.observes.is_empty() || !index.objects_seen_by(keyframe.seq).iter().all(is_seen) {

@@ -1,10 +1,10 @@
 //! The bet on one candidate: what is known of it before geometry looks at it.
 
 use super::names::Names;
+use crate::domain::look_for::NearbySign;
 use crate::domain::settings::{Settings, WithoutAnchors};
 use crate::domain::verdict::{AnchorName, ReasonCode};
 use crate::recognition::extensions::tracked_path::TrackedPath;
-use crate::recognition::locate::look_for::NearbySign;
 
 /// A pair of texts without names at the same relative place.
 #[derive(Clone, Debug)]

@@ -27,10 +27,10 @@ pub fn chain_back(index: &MapIndex, from: KeyframeSeq) -> Vec<KeyframeSeq> {
 /// Returns the chains around the place of a keyframe, that keyframe first: back from the first of the keyframes that see what it
 /// sees, and on from the last. A robot that turns on the spot takes many before it leaves.
 pub fn chain_around(index: &MapIndex, keyframe: KeyframeSeq) -> Vec<KeyframeSeq> {
-    let session = |seq: KeyframeSeq| index.keyframe(seq).map(|stored| stored.session);
+    let session = index.session_of(keyframe);
     let place = || {
         let near = index.covisibility().neighbours_by_sight(keyframe);
-        near.filter(|near| session(*near) == session(keyframe)).chain([keyframe])
+        near.filter(|near| index.session_of(*near) == session).chain([keyframe])
     };
     let (first, last) = (place().min().unwrap_or(keyframe), place().max().unwrap_or(keyframe));
     let mut chain = vec![keyframe];
@@ -98,9 +98,8 @@ fn place_by(index: &MapIndex, centre: &Centre, chain: &BTreeSet<KeyframeSeq>, si
     if object.members.len() == 1 {
         return;
     }
-    let members = object.members.iter();
     let mut shape = Shape::default();
-    for anchor in members.filter_map(|member| index.anchor(*member)) {
+    for anchor in index.anchors_of(object) {
         if let Some(of_anchor) = anchor.shapes.get(&session)
             && anchor.keyframes().any(|keyframe| chain.contains(&keyframe))
         {

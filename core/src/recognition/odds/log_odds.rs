@@ -1,7 +1,7 @@
 //! Log-odds as whole numbers: a sum is the same in whatever order it is taken.
 
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Natural log-odds, in thousandths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,12 +45,6 @@ impl Add for LogOdds {
 
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
-    }
-}
-
-impl AddAssign for LogOdds {
-    fn add_assign(&mut self, other: Self) {
-        self.0 += other.0;
     }
 }
 

@@ -157,10 +157,8 @@ impl Names {
     /// Sorts the pairs by where the signs hang: under a transformation between the cameras, or else by bearing and distance.
     pub fn by_spot(&self, candidate_from_query: Option<&Sim3>, settings: &Settings) -> Spots<'_> {
         let least_m = settings.anchor_map_max_distance_difference_m;
-        let agreeing = at_one_spot(&self.alike, |pair| {
-            let deviation = pair.deviation(candidate_from_query, least_m, settings);
-            (deviation < 1.0).then_some(deviation)
-        });
+        let agreeing =
+            at_one_spot(&self.alike, |pair| pair.deviation(candidate_from_query, least_m, settings));
         let stands: BTreeSet<LocalName> =
             agreeing.iter().flat_map(|pair| [pair.query.name, pair.candidate.name]).collect();
         let is_off = |pair: &&NamePair| {
@@ -176,18 +174,16 @@ impl Names {
             }
         }
         let spot_m = if candidate_from_query.is_some() { SAME_SPOT_M } else { least_m };
-        let differing = at_one_spot(&self.excluding, |pair| {
-            let deviation = pair.deviation(candidate_from_query, spot_m, settings);
-            (deviation < 1.0).then_some(deviation)
-        });
+        let differing =
+            at_one_spot(&self.excluding, |pair| pair.deviation(candidate_from_query, spot_m, settings));
         Spots { agreeing, displaced, differing }
     }
 }
 
 /// Returns the pairs at one spot, the nearest first, no sign twice.
-fn at_one_spot(pairs: &[NamePair], deviation: impl Fn(&NamePair) -> Option<f64>) -> Vec<&NamePair> {
-    let mut near: Vec<(f64, &NamePair)> =
-        pairs.iter().filter_map(|pair| Some((deviation(pair)?, pair))).collect();
+fn at_one_spot(pairs: &[NamePair], deviation: impl Fn(&NamePair) -> f64) -> Vec<&NamePair> {
+    let deviations = pairs.iter().map(|pair| (deviation(pair), pair));
+    let mut near: Vec<(f64, &NamePair)> = deviations.filter(|(deviation, _)| *deviation < 1.0).collect();
     let names = |pair: &NamePair| (pair.query.name, pair.candidate.name);
     near.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| names(x).cmp(&names(y))));
     let (mut taken, mut taken_of_candidate) = (BTreeSet::new(), BTreeSet::new());

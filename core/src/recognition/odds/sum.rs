@@ -8,14 +8,14 @@ use super::names::{NamePair, Spots};
 use super::weights;
 use crate::domain::counted::counted;
 use crate::domain::settings::Settings;
-use crate::domain::verdict::{AnchorName, EvidenceKind, EvidenceTerm, Odds};
+use crate::domain::verdict::{AnchorName, EvidenceKind, EvidenceTerm, GeometryStatus, Odds};
 use crate::geometry::Sim3;
 use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::tracked_path::{Discrepancy, drift_m};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
 use crate::recognition::loops::geometry_check::GeometryOutcome;
 use crate::recognition::map::index::Certainty;
-use crate::recognition::verification::{Failure, Status};
+use crate::recognition::verification::Failure;
 
 /// A camera that moves by this many times the distance by which anchors may differ (§V-B) sees most of them elsewhere.
 pub(in crate::recognition) const PLACE_WIDTHS: f64 = 1.5;
@@ -113,7 +113,7 @@ impl Bet {
     /// Returns the sum of evidence under what geometry found.
     pub fn sum(&self, view: Option<ViewFound<'_>>, settings: &Settings) -> Sum {
         let mut sum = Sum::default();
-        let verified = view.filter(|view| view.outcome.verification.status == Status::Verified);
+        let verified = view.filter(|view| view.outcome.verification.status == GeometryStatus::Verified);
         let transform = verified.and_then(|view| {
             let verification = &view.outcome.verification;
             verification.candidate_from_query.filter(|_| verification.model.is_metric())
@@ -266,18 +266,18 @@ fn add_no_view(sum: &mut Sum, view: Option<ViewFound<'_>>, is_sign_in_view: bool
     let verification = &outcome.verification;
     let has_common_view = match verification.status {
         // Two keyframes with map points at one place see enough of these both, or most of one view.
-        Status::Verified => {
+        GeometryStatus::Verified => {
             verification.model.is_metric() || !outcome.are_triangulated || is_most_of_view(*cells)
         }
-        Status::Failed => false,
-        Status::Skipped => !matches!(verification.failure, Some(Failure::TooFewMatches { .. })),
+        GeometryStatus::Failed => false,
+        GeometryStatus::Skipped => !matches!(verification.failure, Some(Failure::TooFewMatches { .. })),
     };
     if has_common_view {
         return;
     }
     let is_by_points = outcome.are_triangulated || verification.model.is_metric();
     let weight = match () {
-        () if verification.status == Status::Verified => weights::NO_COMMON_POINTS,
+        () if verification.status == GeometryStatus::Verified => weights::NO_COMMON_POINTS,
         () if is_by_points => weights::NO_VIEW,
         () if is_sign_in_view => weights::NO_VIEW_IN_IMAGES,
         () => weights::NO_VIEW_OF_A_SIGN,

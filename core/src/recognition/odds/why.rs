@@ -23,7 +23,7 @@ pub fn why(
         Decision::NoLoop => against(best),
         Decision::Undecided => match look_for {
             [] => undecided(best),
-            [sign, ..] => format!("{} Look for {}.", undecided(best), sign.description),
+            [look_for, ..] => format!("{} Look for {}.", undecided(best), look_for.sign.description),
         },
     }
 }

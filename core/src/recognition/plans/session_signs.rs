@@ -141,8 +141,7 @@ fn without_outvoted(groups: Vec<Group<'_>>) -> Vec<Group<'_>> {
 
 /// Returns the sightings of an object in one session of which something measured the distance.
 fn sightings(index: &MapIndex, object: &MergedAnchor, session: SessionSeq) -> Vec<Sighting> {
-    let members = object.members.iter().filter_map(|member| index.anchor(*member));
-    let observations = members.flat_map(|anchor| anchor.observations.values());
+    let observations = index.anchors_of(object).flat_map(|anchor| anchor.observations.values());
     let sighting = |observation: &Observation| {
         let keyframe = index.keyframe(observation.keyframe).filter(|keyframe| keyframe.session == session)?;
         let points = observation.map_points.iter().filter_map(|id| index.points().position(session, *id));

@@ -1,11 +1,12 @@
 //! The choice of the model: a similarity where map points are known on both sides, else the images alone.
 
 use super::limits::Limits;
-use super::outcome::{Failure, Model, Status, Verification};
+use super::outcome::{Failure, Model, Verification};
 use super::similarity::verify;
 use super::two_views::verify_two_views;
 use super::view::{Landmark, View};
 use crate::domain::settings::GeometryModels;
+use crate::domain::verdict::GeometryStatus;
 
 /// Verifies one candidate by the first model that can run: a similarity where enough map points are known on both sides,
 /// else, if [`Limits::models`] has it so, the images alone. The same values give the same bits, on any thread.
@@ -22,7 +23,7 @@ pub fn verify_by_any_model(
     } else {
         Verification::skipped(Model::similarity(limits), Failure::TooFewPoints { limit: limits.min_matches })
     };
-    if by_points.status != Status::Skipped || limits.models == GeometryModels::Sim3 {
+    if by_points.status != GeometryStatus::Skipped || limits.models == GeometryModels::Sim3 {
         return by_points;
     }
     verify_two_views(query, candidate, limits, seed)

@@ -36,22 +36,28 @@ impl Reprojection {
         Some([u - self.pixel[0], v - self.pixel[1]])
     }
 
-    /// Returns the squared error in units of the variance; infinite if the point falls behind the camera.
+    /// Returns the squared errors in the image and in depth, in units of their variances; infinite if the point falls
+    /// behind the camera.
     #[inline(always)]
-    fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
+    pub(super) fn chi_squares(&self, map: &Map, camera: &Pinhole) -> [f64; 2] {
         let point = map.apply(&self.point);
-        let Some([u, v]) = self.residual_px(&point, camera) else { return f64::INFINITY };
-        let in_image = (u * u + v * v) * self.inverse_variance;
+        let Some([u, v]) = self.residual_px(&point, camera) else { return [f64::INFINITY; 2] };
         let in_depth = match self.depth {
             Some(depth) => (point.z - depth.metres) * depth.inverse_sigma,
             None => 0.0,
         };
-        in_image.max(in_depth * in_depth)
+        [(u * u + v * v) * self.inverse_variance, in_depth * in_depth]
+    }
+
+    #[inline(always)]
+    fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
+        let [in_image, in_depth] = self.chi_squares(map, camera);
+        in_image.max(in_depth)
     }
 }
 
 /// A pair that may be one point. At least one of the two is there; with a position on both sides, both are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correspondence {
     /// The candidate's point, to be seen in the query's image.
     pub into_query: Option<Reprojection>,
@@ -84,7 +90,7 @@ pub struct Cameras {
 /// A similarity as matrix and vector, for loops over many points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Map {
-    linear: Matrix3<f64>,
+    pub(super) linear: Matrix3<f64>,
     translation: Vector3<f64>,
 }
 
@@ -109,9 +115,10 @@ impl Map {
 /// A transformation between two cameras, ready to be tested on correspondences.
 #[derive(Clone, Copy, Debug)]
 pub struct Hypothesis {
-    cameras: Cameras,
-    candidate_from_query: Map,
-    query_from_candidate: Map,
+    pub(super) cameras: Cameras,
+    /// What maps points of the query's frame into the candidate's.
+    pub(super) candidate_from_query: Map,
+    pub(super) query_from_candidate: Map,
 }
 
 impl Hypothesis {
@@ -152,16 +159,6 @@ impl Hypothesis {
             },
             None => (sum, count),
         })
-    }
-
-    /// Returns what maps points of the candidate's frame into the query's.
-    pub(super) fn query_from_candidate(&self) -> &Map {
-        &self.query_from_candidate
-    }
-
-    /// Returns what maps points of the query's frame into the candidate's.
-    pub(super) fn candidate_from_query(&self) -> &Map {
-        &self.candidate_from_query
     }
 
     /// Returns the places of the pairs whose error in both images is below the limit.

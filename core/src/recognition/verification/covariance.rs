@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, SMatrix};
 
 use super::correspondence::{Cameras, Correspondence};
-use super::normal_equations::Scatter;
+use super::normal_equations::{About, Scatter};
 use crate::geometry::Sim3;
 use crate::geometry::instruction_set::dispatch;
 
@@ -28,7 +28,8 @@ pub fn covariance(
     if count <= DEFINING {
         return None;
     }
-    let [mut information, mut spread] = dispatch(Scatter::new(candidate_from_query, explained, cameras));
+    let about = About::new(candidate_from_query, cameras);
+    let [mut information, mut spread] = dispatch(Scatter { about, pairs: explained });
     if fixed_scale {
         for i in 0..6 {
             (information[(6, i)], information[(i, 6)]) = (0.0, 0.0);

@@ -1,7 +1,5 @@
 //! Matching the binary descriptors of two keyframes: by the vocabulary's nodes where both have them, else all with all.
 
-use std::ops::Range;
-
 use super::descriptor_match::Match;
 use super::group_matching::{Acceptance, GroupMatching};
 use super::limits::MatchingLimits;
@@ -9,6 +7,7 @@ use super::orientation::keep_consistent_rotations;
 use crate::domain::keyframe::Keypoint;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::instruction_set::dispatch;
+use crate::vocabulary::FeatureGroups;
 
 /// The node of a feature that has none, such as one whose word has weight 0.
 pub const NO_NODE: u32 = u32::MAX;
@@ -33,12 +32,18 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
         return Vec::new();
     }
     let acceptance = Acceptance::new(limits, query.descriptors.bits());
-    let mut matches = match (query.nodes, candidate.nodes) {
-        (Some(of_query), Some(of_candidate)) => {
-            by_nodes(query, of_query, candidate, of_candidate, acceptance)
-        }
-        _ => all_with_all(query, candidate, acceptance),
+    let sides = query.nodes.zip(candidate.nodes);
+    let sides = sides.map(|(a, b)| [by_node(query.features, a), by_node(candidate.features, b)]);
+    let groups = match &sides {
+        Some([of_query, of_candidate]) => of_query.common(of_candidate).collect(),
+        None => vec![(query.features, candidate.features)],
     };
+    let mut matches = dispatch(GroupMatching {
+        query: query.descriptors,
+        candidate: candidate.descriptors,
+        groups: &groups,
+        acceptance,
+    });
     matches.sort_unstable_by_key(|found| (found.query, found.candidate));
     if limits.orientation {
         keep_consistent_rotations(&mut matches, query.keypoints, candidate.keypoints);
@@ -46,67 +51,11 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
     matches
 }
 
-/// Returns the matches of all features with all.
-fn all_with_all(query: &Side, candidate: &Side, acceptance: Acceptance) -> Vec<Match> {
-    dispatch(GroupMatching {
-        query: query.descriptors,
-        candidate: candidate.descriptors,
-        groups: &[(query.features, candidate.features)],
-        acceptance,
-    })
-}
-
-/// Only features of one node are compared, as ORB-SLAM's `SearchByBoW` does.
-fn by_nodes(
-    query: &Side,
-    query_nodes: &[u32],
-    candidate: &Side,
-    candidate_nodes: &[u32],
-    acceptance: Acceptance,
-) -> Vec<Match> {
-    let of_query = ByNode::of(query.features, query_nodes);
-    let of_candidate = ByNode::of(candidate.features, candidate_nodes);
-    let mut groups = Vec::with_capacity(of_query.groups.len());
-    let mut others = of_candidate.groups.iter().peekable();
-    for (node, features) in &of_query.groups {
-        while others.next_if(|(other, _)| other < node).is_some() {}
-        if let Some((_, same)) = others.next_if(|(other, _)| other == node) {
-            groups.push((&of_query.features[features.clone()], &of_candidate.features[same.clone()]));
-        }
-    }
-    dispatch(GroupMatching {
-        query: query.descriptors,
-        candidate: candidate.descriptors,
-        groups: &groups,
-        acceptance,
-    })
-}
-
-/// The features of one side, node by node.
-struct ByNode {
-    features: Vec<u32>,
-    /// Each node and where its features are; the nodes ascend.
-    groups: Vec<(u32, Range<usize>)>,
-}
-
-impl ByNode {
-    fn of(features: &[u32], nodes: &[u32]) -> Self {
-        let node_of = |&feature: &u32| nodes[feature as usize];
-        let placed = features.iter().filter(|feature| node_of(feature) != NO_NODE);
-        // The node above, the feature below: one comparison of integers orders both.
-        let mut sorted: Vec<u64> =
-            placed.map(|feature| u64::from(node_of(feature)) << 32 | u64::from(*feature)).collect();
-        sorted.sort_unstable();
-        let mut groups: Vec<(u32, Range<usize>)> = Vec::new();
-        for (at, pair) in sorted.iter().enumerate() {
-            let node = (pair >> 32) as u32;
-            match groups.last_mut() {
-                Some((last, range)) if *last == node => range.end = at + 1,
-                _ => groups.push((node, at..at + 1)),
-            }
-        }
-        Self { features: sorted.iter().map(|&pair| pair as u32).collect(), groups }
-    }
+/// Groups the features that have a node. Only those of one node are compared, as ORB-SLAM's `SearchByBoW` does.
+fn by_node(features: &[u32], nodes: &[u32]) -> FeatureGroups {
+    let node_of = |feature: &u32| nodes[*feature as usize];
+    let placed = features.iter().filter(|feature| node_of(feature) != NO_NODE);
+    FeatureGroups::of(placed.map(|feature| u64::from(node_of(feature)) << 32 | u64::from(*feature)).collect())
 }
 
 #[cfg(test)]

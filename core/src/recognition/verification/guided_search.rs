@@ -125,30 +125,18 @@ impl<'a> GuidedSearch<'a> {
     /// Returns what projection and descriptors propose: points of either side in the image of the other.
     fn proposals(&self, hypothesis: &Hypothesis) -> Vec<Proposal> {
         let (into_query, into_candidate) =
-            (hypothesis.query_from_candidate(), hypothesis.candidate_from_query());
-        let mut proposals = Vec::new();
-        let found = self.look_for(&self.candidate_points, into_query, &self.query_image);
-        proposals.extend(found.iter().map(|found| Proposal {
-            distance: found.distance,
-            query: found.feature,
-            target: Target::Feature(found.place),
-            place: 0,
-        }));
-        let found = self.look_for(&self.window_points, into_query, &self.query_image);
-        proposals.extend(found.iter().map(|found| Proposal {
-            distance: found.distance,
-            query: found.feature,
-            target: Target::Landmark(self.ranks[found.place as usize]),
-            place: found.place,
-        }));
-        let found = self.look_for(&self.query_points, into_candidate, &self.candidate_image);
-        proposals.extend(found.iter().map(|found| Proposal {
-            distance: found.distance,
-            query: found.place,
-            target: Target::Feature(found.feature),
-            place: 0,
-        }));
-        proposals
+            (&hypothesis.query_from_candidate, &hypothesis.candidate_from_query);
+        let features = self.look_for(&self.candidate_points, into_query, &self.query_image);
+        let landmarks = self.look_for(&self.window_points, into_query, &self.query_image);
+        let back = self.look_for(&self.query_points, into_candidate, &self.candidate_image);
+        let features = features.iter().map(|it| (it, it.feature, Target::Feature(it.place), 0));
+        let landmarks = landmarks
+            .iter()
+            .map(|it| (it, it.feature, Target::Landmark(self.ranks[it.place as usize]), it.place));
+        let back = back.iter().map(|it| (it, it.place, Target::Feature(it.feature), 0));
+        let all = features.chain(landmarks).chain(back);
+        all.map(|(it, query, target, place)| Proposal { distance: it.distance, query, target, place })
+            .collect()
     }
 
     fn look_for(&self, wanted: &[Wanted], map: &Map, image: &IndexedImage) -> Vec<Found> {
@@ -158,12 +146,11 @@ impl<'a> GuidedSearch<'a> {
     }
 
     fn correspondence(&self, proposal: &Proposal) -> Correspondence {
-        let query = proposal.query as usize;
-        let in_query = self.query.points_in_camera[query].map(|point| point.coords);
+        let in_query = self.query.points_in_camera[proposal.query as usize].map(|point| point.coords);
         let (in_candidate, candidate_feature, seen) = match proposal.target {
             Target::Feature(feature) => {
                 let point = self.candidate.points_in_camera[feature as usize].map(|point| point.coords);
-                (point, Some(feature), Some(sighting(self.candidate, feature as usize, self.limits)))
+                (point, Some(feature), Some(sighting(self.candidate, feature, self.limits)))
             }
             Target::Landmark(_) => {
                 let point = self.window[proposal.place as usize].point_in_camera.coords;
@@ -173,7 +160,7 @@ impl<'a> GuidedSearch<'a> {
         let depth_of = |point: Option<Vector3<f64>>| point.and_then(|point| self.limits.depth(point.z));
         let reprojection =
             |point, (pixel, inverse_variance), depth| Reprojection { point, pixel, inverse_variance, depth };
-        let seen_by_query = sighting(self.query, query, self.limits);
+        let seen_by_query = sighting(self.query, proposal.query, self.limits);
         Correspondence {
             into_query: in_candidate.map(|point| reprojection(point, seen_by_query, depth_of(in_query))),
             into_candidate: in_query
@@ -190,9 +177,8 @@ impl<'a> GuidedSearch<'a> {
 type Sighting = ([f64; 2], f64);
 
 /// Where an image shows a feature.
-pub(super) fn sighting(view: &View, feature: usize, limits: &Limits) -> Sighting {
-    let keypoint = &view.keypoints[feature];
-    ([keypoint.u, keypoint.v], limits.variance_px2(keypoint.octave).recip())
+pub(super) fn sighting(view: &View, feature: u32, limits: &Limits) -> Sighting {
+    (view.pixel(feature), limits.variance_px2(view.keypoints[feature as usize].octave).recip())
 }
 
 /// Where the candidate's image would show a landmark that only its neighbours saw; `None` behind the camera.

@@ -44,7 +44,7 @@ pub mod view;
 
 pub use any_model::verify_by_any_model;
 pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits, SureLimits};
-pub use outcome::{Failure, Model, Status, Verification};
+pub use outcome::{Failure, Model, Verification};
 pub use similarity::verify;
 pub use view::{Landmark, View};
 

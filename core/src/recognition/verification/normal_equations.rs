@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::correspondence::{Cameras, Correspondence, Map, Reprojection};
+use super::correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use super::huber::huber_weight;
 use crate::geometry::Sim3;
 use crate::geometry::instruction_set::Kernel;
@@ -132,22 +132,9 @@ fn jacobian([x, y, z]: [f64; 3], inner: &Vector3<f64>) -> Lanes {
 
 /// The pairs at some places, to be linearised about a transformation.
 pub(super) struct Linearise<'a> {
-    about: About,
-    pairs: &'a [Correspondence],
-    places: &'a [u32],
-    cameras: &'a Cameras,
-}
-
-impl<'a> Linearise<'a> {
-    /// About a transformation `candidate_from_query`; steps are in the candidate's frame.
-    pub(super) fn new(
-        candidate_from_query: &Sim3,
-        pairs: &'a [Correspondence],
-        places: &'a [u32],
-        cameras: &'a Cameras,
-    ) -> Self {
-        Self { about: About::new(candidate_from_query), pairs, places, cameras }
-    }
+    pub about: About,
+    pub pairs: &'a [Correspondence],
+    pub places: &'a [u32],
 }
 
 impl Kernel for Linearise<'_> {
@@ -157,38 +144,34 @@ impl Kernel for Linearise<'_> {
     fn run<const POPCNT: bool>(self) -> NormalEquations {
         let mut sum = NormalEquations::default();
         for &place in self.places {
-            self.about.add(&mut sum, &self.pairs[place as usize], self.cameras);
+            self.about.add(&mut sum, &self.pairs[place as usize]);
         }
         sum
     }
 }
 
-/// The transformation that is linearised about.
-struct About {
-    to_candidate: Map,
-    to_query: Map,
+/// The transformation that is linearised about; steps are in the candidate's frame.
+pub(super) struct About {
+    tested: Hypothesis,
     /// Moving the candidate's frame by a step moves its points by the inverse step.
     outer: Matrix3<f64>,
 }
 
 impl About {
-    fn new(candidate_from_query: &Sim3) -> Self {
-        let inverse = candidate_from_query.inverse();
-        Self {
-            to_candidate: Map::of(candidate_from_query),
-            to_query: Map::of(&inverse),
-            outer: -inverse.linear_and_translation().0,
-        }
+    pub(super) fn new(candidate_from_query: &Sim3, cameras: &Cameras) -> Self {
+        let tested = Hypothesis::new(cameras, candidate_from_query);
+        Self { outer: -tested.query_from_candidate.linear, tested }
     }
 
     #[inline(always)]
-    fn add(&self, sum: &mut NormalEquations, pair: &Correspondence, cameras: &Cameras) {
+    fn add(&self, sum: &mut NormalEquations, pair: &Correspondence) {
+        let Hypothesis { cameras, candidate_from_query, query_from_candidate } = &self.tested;
         if let Some(it) = &pair.into_candidate {
-            let moved = self.to_candidate.apply(&it.point);
+            let moved = candidate_from_query.apply(&it.point);
             sum.add(it, &moved, &moved, &Matrix3::identity(), &cameras.candidate);
         }
         if let Some(it) = &pair.into_query {
-            let moved = self.to_query.apply(&it.point);
+            let moved = query_from_candidate.apply(&it.point);
             sum.add(it, &moved, &it.point, &self.outer, &cameras.query);
         }
     }
@@ -196,20 +179,8 @@ impl About {
 
 /// The sums over pairs of the normal matrix of each, and of the outer product of its gradient with itself.
 pub(super) struct Scatter<'a> {
-    about: About,
-    pairs: &'a [Correspondence],
-    cameras: &'a Cameras,
-}
-
-impl<'a> Scatter<'a> {
-    /// About a transformation `candidate_from_query`; steps are in the candidate's frame.
-    pub(super) fn new(
-        candidate_from_query: &Sim3,
-        pairs: &'a [Correspondence],
-        cameras: &'a Cameras,
-    ) -> Self {
-        Self { about: About::new(candidate_from_query), pairs, cameras }
-    }
+    pub about: About,
+    pub pairs: &'a [Correspondence],
 }
 
 impl Kernel for Scatter<'_> {
@@ -221,7 +192,7 @@ impl Kernel for Scatter<'_> {
         let mut spread = [[0.0; LANES]; STEP];
         for pair in self.pairs {
             let mut of_pair = NormalEquations::default();
-            self.about.add(&mut of_pair, pair, self.cameras);
+            self.about.add(&mut of_pair, pair);
             for column in 0..STEP {
                 for line in 0..LANES {
                     information[column][line] += of_pair.columns[column][line];

@@ -3,13 +3,15 @@
 use thiserror::Error;
 
 use super::limits::Limits;
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::Sim3;
 
 /// The relation between two images that was looked for. Two points of one scene are related by the first of these that the
 /// scene and the motion allow; the later ones have fewer unknowns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// A similarity from points with positions on both sides: seven unknowns.
+    #[default]
     Sim3,
     /// The same with scale 1, on metric maps: six unknowns.
     Se3,
@@ -42,17 +44,6 @@ impl Model {
     pub fn is_metric(self) -> bool {
         matches!(self, Self::Sim3 | Self::Se3)
     }
-}
-
-/// Whether the candidate is the query's place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// A model explains more features than chance does.
-    Verified,
-    /// There are matches enough, and no model does.
-    Failed,
-    /// The views do not allow the check: it says nothing for or against the candidate (M39).
-    Skipped,
 }
 
 /// Why a candidate was not verified.
@@ -130,26 +121,26 @@ impl Failure {
         }
     }
 
-    /// Returns the status it gives a verification: what could not run says nothing.
-    pub fn status(self) -> Status {
+    /// Returns the status it gives a verification: what could not run says nothing for or against the candidate (M39).
+    pub fn status(self) -> GeometryStatus {
         match self {
             Self::DescriptorLengths { .. }
             | Self::TooFewPoints { .. }
             | Self::TooFewMatches { .. }
             | Self::Degenerate { .. }
-            | Self::TooLittleParallax { .. } => Status::Skipped,
+            | Self::TooLittleParallax { .. } => GeometryStatus::Skipped,
             Self::NoHypothesis { .. } | Self::TooFewInliers { .. } | Self::TooFewSureInliers { .. } => {
-                Status::Failed
+                GeometryStatus::Failed
             }
         }
     }
 }
 
 /// The answer, with the evidence.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verification {
     /// The answer.
-    pub status: Status,
+    pub status: GeometryStatus,
     /// The model that was looked for.
     pub model: Model,
     /// Descriptor matches: for a similarity, between points with positions on both sides.
@@ -186,23 +177,7 @@ pub struct Verification {
 impl Verification {
     /// Starts a verification before anything is looked at.
     pub(super) fn started(model: Model) -> Self {
-        Self {
-            status: Status::Failed,
-            model,
-            matches: 0,
-            hypotheses: 0,
-            matched_inliers: 0,
-            projected_matches: 0,
-            inliers: 0,
-            explained_features: Vec::new(),
-            explained_pixels: [Vec::new(), Vec::new()],
-            sure_inliers: 0,
-            log10_false_alarms: None,
-            mean_reprojection_error_px: None,
-            candidate_from_query: None,
-            covariance: None,
-            failure: None,
-        }
+        Self { model, ..Self::default() }
     }
 
     /// Returns a verification that could not run.
@@ -213,7 +188,7 @@ impl Verification {
     /// Adds how it ended.
     pub(super) fn concluded(mut self, end: Result<(), Failure>) -> Self {
         self.failure = end.err();
-        self.status = self.failure.map_or(Status::Verified, Failure::status);
+        self.status = self.failure.map_or(GeometryStatus::Verified, Failure::status);
         self
     }
 }

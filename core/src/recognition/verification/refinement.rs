@@ -2,9 +2,9 @@
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use super::correspondence::{Cameras, Correspondence, Map, Reprojection};
+use super::correspondence::{Cameras, Correspondence, Hypothesis, Map, Reprojection};
 use super::huber::huber_cost;
-use super::normal_equations::{Linearise, Step};
+use super::normal_equations::{About, Linearise, Step};
 use crate::geometry::Sim3;
 use crate::geometry::instruction_set::{Kernel, dispatch};
 use crate::geometry::pinhole::Pinhole;
@@ -27,7 +27,7 @@ pub fn refine(
     fixed_scale: bool,
 ) -> Sim3 {
     let cost_of = |sim3: &Sim3| cost(sim3, pairs, places, cameras);
-    let linearise = |sim3: &Sim3| dispatch(Linearise::new(sim3, pairs, places, cameras));
+    let linearise = |sim3: &Sim3| dispatch(Linearise { about: About::new(sim3, cameras), pairs, places });
     let mut best = *candidate_from_query;
     let mut cost = cost_of(&best);
     let mut damping = FIRST_DAMPING;
@@ -60,13 +60,7 @@ pub fn refine(
 /// Returns what the pairs at `places` cost under a transformation: Huber's sum over the squared errors of both images
 /// and depths; infinite if a point falls behind a camera.
 pub fn cost(candidate_from_query: &Sim3, pairs: &[Correspondence], places: &[u32], cameras: &Cameras) -> f64 {
-    dispatch(Cost {
-        to_candidate: Map::of(candidate_from_query),
-        to_query: Map::of(&candidate_from_query.inverse()),
-        pairs,
-        places,
-        cameras,
-    })
+    dispatch(Cost { tested: Hypothesis::new(cameras, candidate_from_query), pairs, places })
 }
 
 /// Returns the transformation moved by a small step in the candidate's frame.
@@ -81,11 +75,9 @@ fn moved(sim3: &Sim3, step: &Step) -> Sim3 {
 
 /// The cost of some pairs under a transformation.
 struct Cost<'a> {
-    to_candidate: Map,
-    to_query: Map,
+    tested: Hypothesis,
     pairs: &'a [Correspondence],
     places: &'a [u32],
-    cameras: &'a Cameras,
 }
 
 impl Kernel for Cost<'_> {
@@ -94,14 +86,15 @@ impl Kernel for Cost<'_> {
     #[inline(always)]
     fn run<const POPCNT: bool>(self) -> f64 {
         let mut sum = 0.0;
+        let Hypothesis { cameras, candidate_from_query, query_from_candidate } = &self.tested;
         for &place in self.places {
             let pair = &self.pairs[place as usize];
             let mut of_pair = 0.0;
             if let Some(it) = &pair.into_candidate {
-                of_pair += cost_of_image(it, &self.to_candidate, &self.cameras.candidate);
+                of_pair += cost_of_image(it, candidate_from_query, &cameras.candidate);
             }
             if let Some(it) = &pair.into_query {
-                of_pair += cost_of_image(it, &self.to_query, &self.cameras.query);
+                of_pair += cost_of_image(it, query_from_candidate, &cameras.query);
             }
             sum += of_pair;
         }
@@ -111,11 +104,6 @@ impl Kernel for Cost<'_> {
 
 #[inline(always)]
 fn cost_of_image(it: &Reprojection, map: &Map, camera: &Pinhole) -> f64 {
-    let point = map.apply(&it.point);
-    let Some([u, v]) = it.residual_px(&point, camera) else { return f64::INFINITY };
-    let in_depth = match it.depth {
-        Some(depth) => (point.z - depth.metres) * depth.inverse_sigma,
-        None => 0.0,
-    };
-    huber_cost((u * u + v * v) * it.inverse_variance) + huber_cost(in_depth * in_depth)
+    let [in_image, in_depth] = it.chi_squares(map, camera);
+    huber_cost(in_image) + huber_cost(in_depth)
 }

@@ -32,15 +32,14 @@ pub fn resection(view: &View, limits: &Limits) -> Option<Sim3> {
     let own = |feature: u32| {
         let point = view.points_in_camera[feature as usize]?.coords;
         camera.project(&point)?;
-        let (pixel, inverse_variance) = sighting(view, feature as usize, limits);
+        let (pixel, inverse_variance) = sighting(view, feature, limits);
         let into_candidate = Some(Reprojection { point, pixel, inverse_variance, depth: None });
-        let (query_feature, candidate_feature) = (feature, Some(feature));
+        let candidate_feature = Some(feature);
         Some(Correspondence {
-            into_query: None,
             into_candidate,
-            distance: 0,
-            query_feature,
+            query_feature: feature,
             candidate_feature,
+            ..Default::default()
         })
     };
     let pairs: Vec<Correspondence> = view.located().into_iter().filter_map(own).collect();

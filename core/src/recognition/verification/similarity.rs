@@ -82,12 +82,8 @@ fn find_transformation(
     let is_sure = |pair: &&Correspondence| pair.is_located() && f64::from(pair.distance) <= max_sure_distance;
     result.explained_features = explained.iter().filter_map(|pair| pair.candidate_feature).collect();
     result.explained_features.sort_unstable();
-    let pixel = |view: &View, feature: u32| {
-        let keypoint = view.keypoints[feature as usize];
-        [keypoint.u, keypoint.v]
-    };
     let own = explained.iter().filter_map(|pair| Some((pair.query_feature, pair.candidate_feature?)));
-    let (in_query, in_candidate) = own.map(|(a, b)| (pixel(query, a), pixel(candidate, b))).unzip();
+    let (in_query, in_candidate) = own.map(|(a, b)| (query.pixel(a), candidate.pixel(b))).unzip();
     result.explained_pixels = [in_query, in_candidate];
     result.inliers = result.explained_features.len() as u32;
     result.sure_inliers = explained.iter().filter(is_sure).count() as u32;
@@ -137,12 +133,8 @@ fn evidence(
     let mut matches: Vec<ImageMatch> = (matched.iter())
         .filter_map(|pair| {
             let seen = pair.candidate_feature?;
-            let at = |view: &View, feature: u32| {
-                let keypoint = &view.keypoints[feature as usize];
-                [keypoint.u, keypoint.v]
-            };
             Some(ImageMatch {
-                pixels: [at(query, pair.query_feature), at(candidate, seen)],
+                pixels: [query.pixel(pair.query_feature), candidate.pixel(seen)],
                 agreeing_area_px2: [
                     area_px2(variance_px2(query, pair.query_feature)),
                     area_px2(variance_px2(candidate, seen)),
@@ -169,7 +161,7 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
         match_descriptors(&side(query, &of_query), &side(candidate, &of_candidate), &limits.matching);
     let reprojection = |from: &View, feature: u32, into: &View, seen: u32| {
         let point = from.points_in_camera[feature as usize]?.coords;
-        let (pixel, inverse_variance) = sighting(into, seen as usize, limits);
+        let (pixel, inverse_variance) = sighting(into, seen, limits);
         let depth = into.points_in_camera[seen as usize].and_then(|point| limits.depth(point.z));
         Some(Reprojection { point, pixel, inverse_variance, depth })
     };

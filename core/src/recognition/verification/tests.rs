@@ -9,6 +9,7 @@ use rand::seq::SliceRandom;
 
 use super::*;
 use crate::domain::settings::GeometryAcceptance;
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::instruction_set::portable::portably;
 use crate::geometry::{Point3, Sim3};
@@ -24,13 +25,13 @@ fn apart_m(a: &Sim3, b: &Sim3, query: &Keyframe) -> f64 {
 
 fn verified(query: &Keyframe, candidate: &Keyframe) -> Verification {
     let found = verify(&query.view(), &candidate.view(), &[], &LIMITS, 7);
-    assert_eq!(found.status, Status::Verified, "{found:?}");
+    assert_eq!(found.status, GeometryStatus::Verified, "{found:?}");
     found
 }
 
 fn refused(query: &Keyframe, candidate: &Keyframe, limits: &Limits) -> Failure {
     let found = verify(&query.view(), &candidate.view(), &[], limits, 7);
-    assert_ne!(found.status, Status::Verified, "{found:?}");
+    assert_ne!(found.status, GeometryStatus::Verified, "{found:?}");
     let failure = found.failure.expect("a failure says why");
     assert_eq!(found.status, failure.status());
     failure
@@ -217,7 +218,7 @@ fn the_scale_is_found_where_maps_are_not_metric() {
     let free = Limits { fixed_scale: false, ..LIMITS };
     let found = verify(&query.view(), &candidate.view(), &[], &free, 7);
     let answer = found.candidate_from_query.expect("a transformation");
-    assert_eq!(found.status, Status::Verified);
+    assert_eq!(found.status, GeometryStatus::Verified);
     assert!((answer.scale() - 2.5).abs() < 0.03, "{answer:?}");
     assert!(apart_m(&answer, &planted.after(&grown), &query) < 0.08);
     refused(&query, &candidate, &LIMITS);
@@ -243,7 +244,7 @@ fn what_only_neighbours_saw_is_matched_too() {
         .collect();
     let without = verify(&query.view(), &candidate.view(), &[], &LIMITS, 7);
     let with = verify(&query.view(), &candidate.view(), &window, &LIMITS, 7);
-    assert_eq!(with.status, Status::Verified);
+    assert_eq!(with.status, GeometryStatus::Verified);
     assert!(with.projected_matches > without.projected_matches + 10, "{with:?} {without:?}");
     // A landmark given with several descriptors is still one landmark.
     let twice: Vec<Landmark> = window.iter().chain(&window).copied().collect();
@@ -302,7 +303,7 @@ fn what_chance_does_not_explain_is_enough_without_twenty_inliers() {
         verify(&query.view(), &candidate.view(), &[], &limits, 7)
     };
     let (significant, counted) = (by(GeometryAcceptance::Significance), by(GeometryAcceptance::Count));
-    assert_eq!(significant.status, Status::Verified, "{significant:?}");
+    assert_eq!(significant.status, GeometryStatus::Verified, "{significant:?}");
     assert!(significant.log10_false_alarms.expect("a model") < -6.0);
     assert!(matches!(counted.failure, Some(Failure::TooFewInliers { limit: 40, .. })), "{counted:?}");
     assert_eq!(significant.candidate_from_query, counted.candidate_from_query);

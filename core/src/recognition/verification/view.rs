@@ -28,6 +28,12 @@ impl View<'_> {
         Pinhole { fx, fy, cx, cy }
     }
 
+    /// Returns where the image shows a feature.
+    pub(super) fn pixel(&self, feature: u32) -> [f64; 2] {
+        let keypoint = &self.keypoints[feature as usize];
+        [keypoint.u, keypoint.v]
+    }
+
     /// Returns the features that have a position.
     pub(super) fn located(&self) -> Vec<u32> {
         let points = self.points_in_camera.iter().enumerate();

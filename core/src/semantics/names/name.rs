@@ -100,13 +100,6 @@ impl Name {
             Some(*end)
         })
     }
-
-    /// Returns the digits before the first mark of its only number: the floor of "9.02".
-    pub fn first_part(&self) -> Option<&str> {
-        let mut numbers = self.spelt.split(' ').filter(|part| part.starts_with(|c: char| c.is_ascii_digit()));
-        let (Some(number), None) = (numbers.next(), numbers.next()) else { return None };
-        number.find(['.', '-', ':']).map(|first| &number[..first])
-    }
 }
 
 /// Collects a name part by part.
@@ -266,14 +259,6 @@ mod tests {
             ("3A4", &[1, 2, 3]),
         ] {
             assert_eq!(name(code).borders().collect::<Vec<_>>(), borders, "{code}");
-        }
-    }
-
-    #[test]
-    fn a_number_with_a_mark_begins_with_a_part_of_the_building() {
-        for (code, first) in [("9.02", Some("9")), ("B 9-02", Some("9")), ("902", None), ("9.02 9.04", None)]
-        {
-            assert_eq!(name(code).first_part(), first, "{code}");
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use regex::{RegexSet, RegexSetBuilder};
 use regex_syntax::ast::{self, Ast, ClassSetItem};
+use serde::Serialize;
 use thiserror::Error;
 
 /// Patterns that an operator may give.
@@ -56,10 +57,12 @@ impl PatternError {
 }
 
 /// Patterns that were taken, compiled.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(transparent)]
 pub struct Patterns {
     texts: Vec<String>,
     /// None where there are no patterns.
+    #[serde(skip)]
     set: Option<RegexSet>,
 }
 

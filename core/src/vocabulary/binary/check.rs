@@ -11,6 +11,7 @@ use crate::vocabulary::tree;
 const TOGETHER: usize = 8;
 
 /// Findings about the arrays so far, and the first faults. They are told at the end: a damaged file is told by its checksum.
+#[derive(Default)]
 pub(super) struct Check {
     nodes: u64,
     words: u64,
@@ -27,16 +28,7 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn new(nodes: usize, words: usize) -> Self {
-        Self {
-            nodes: nodes as u64,
-            words: words as u64,
-            seen: [0; 3],
-            next_child: 1,
-            words_seen: 0,
-            root_is_word: false,
-            bad_nodes: [None; 2],
-            bad_weight: None,
-        }
+        Self { nodes: nodes as u64, words: words as u64, next_child: 1, ..Self::default() }
     }
 
     /// Breadth first means: the children of each node begin where those of the node before it ended. With every child after

@@ -1,9 +1,9 @@
 //! One split: members are parted into clusters around majority descriptors.
 
 use super::majority::Majority;
-use super::random::Random;
 use super::set::TrainingSet;
 use crate::geometry::hamming::distance;
+use crate::geometry::sampling::SplitMix64;
 use crate::vocabulary::nearest::nearest;
 
 /// Parts `members` into at most `k` clusters, and sorts them by cluster.
@@ -14,7 +14,7 @@ pub(super) fn split(
     members: &mut [u32],
     k: u32,
     rounds_max: u32,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> Vec<(Vec<u64>, usize)> {
     let each = set.descriptor(members[0]).len();
     let mut centres = seeds(set, members, k as usize, random);
@@ -43,8 +43,8 @@ pub(super) fn split(
 
 /// Returns the first centres, as k-means++ draws them: each a member, the likelier the farther it is from those drawn
 /// before. (k-means++ takes the square of the Euclidean distance; between bits that is the Hamming distance.)
-fn seeds(set: &TrainingSet, members: &[u32], k: usize, random: &mut Random) -> Vec<u64> {
-    let first = members[random.below(members.len() as u64) as usize];
+fn seeds(set: &TrainingSet, members: &[u32], k: usize, random: &mut SplitMix64) -> Vec<u64> {
+    let first = members[random.below(members.len())];
     let mut centres = set.descriptor(first).to_vec();
     let from_first = |&member: &u32| distance(set.descriptor(member), set.descriptor(first));
     let mut distances: Vec<u32> = members.iter().map(from_first).collect();
@@ -53,7 +53,7 @@ fn seeds(set: &TrainingSet, members: &[u32], k: usize, random: &mut Random) -> V
         if total == 0 {
             break;
         }
-        let mut left = random.below(total);
+        let mut left = random.below(total as usize) as u64;
         let drawn = distances.iter().position(|&distance| match left.checked_sub(u64::from(distance)) {
             Some(less) => {
                 left = less;

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use super::cluster::split;
 use super::error::TrainError;
-use super::random::Random;
 use super::set::TrainingSet;
+use crate::geometry::sampling::SplitMix64;
 use crate::vocabulary::flat_tree::Vocabulary;
 use crate::vocabulary::shape::Shape;
 use crate::vocabulary::tree::Tree;
@@ -75,7 +75,7 @@ fn grow(
     settings: TrainSettings,
     progress: &mut impl FnMut(Progress),
 ) -> Result<Vocabulary, TreeFault> {
-    let mut random = Random::new(settings.seed);
+    let mut random = SplitMix64::new(settings.seed);
     let mut order: Vec<u32> = (0..set.descriptor_count() as u32).collect();
     let mut open = VecDeque::from([Cluster { node: 0, level: 0, members: 0..order.len() }]);
     let total = order.len() as u64 * u64::from(settings.levels);

@@ -7,7 +7,6 @@ mod cluster;
 mod error;
 mod hierarchy;
 mod majority;
-mod random;
 mod set;
 
 pub use self::error::TrainError;

@@ -14,11 +14,6 @@ pub struct TrainingSet {
 }
 
 impl TrainingSet {
-    /// Returns a set without images.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Adds the descriptors of an image, of `descriptor_bytes` bytes each. An image without any counts for nothing.
     pub fn add_image(&mut self, descriptor_bytes: usize, descriptors: &[u8]) -> Result<(), TrainError> {
         if descriptors.is_empty() {

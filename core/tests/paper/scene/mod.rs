@@ -4,15 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use revisit_core::domain::anchor::Outcome;
-use revisit_core::domain::change::{Change, Loop};
+use revisit_core::domain::change::{Change, Loop, Merge};
 use revisit_core::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId};
 use revisit_core::domain::loop_warning::LoopWarning;
 use revisit_core::domain::method::Method;
-use revisit_core::domain::report::MergeReport;
 use revisit_core::geometry::Pose;
 use revisit_core::recognition::anchors::describing::describe;
 use revisit_core::recognition::anchors::ingest::Ingested;
-use revisit_core::recognition::anchors::loop_closure::merges_of;
 use revisit_core::recognition::extensions::distinctiveness::PlaceCounts;
 use revisit_core::recognition::loops::anchor_map::{LocalAnchor, local_anchor_map};
 use revisit_core::recognition::loops::centre::Centre;
@@ -164,12 +162,12 @@ impl Scene {
     }
 
     /// Returns the anchors that a confirmed loop merged.
-    pub fn merged_by(&self, id: &str) -> Vec<MergeReport> {
-        merges_of(&self.map, &loop_id(id))
+    pub fn merged_by(&self, id: &str) -> Vec<Merge> {
+        self.map.objects().links_of_loop(&loop_id(id))
     }
 
     /// Takes a loop back; the anchors that part.
-    pub fn revoke(&mut self, id: &str) -> (Vec<MergeReport>, Decided) {
+    pub fn revoke(&mut self, id: &str) -> (Vec<Merge>, Decided) {
         revoke_loop(&mut self.map, &loop_id(id))
     }
 

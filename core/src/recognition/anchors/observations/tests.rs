@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::domain::anchor::AnchorState;
+use crate::domain::event::EventKind;
 use crate::domain::ids::KeyframeId;
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::MapProperties;

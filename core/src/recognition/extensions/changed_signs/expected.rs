@@ -55,7 +55,7 @@ impl Sign {
         let object = index.objects().get(root)?;
         let centre = centre_of(object, session)?;
         let mut views = Vec::new();
-        for anchor in object.members.iter().filter_map(|member| index.anchor(*member)) {
+        for anchor in index.anchors_of(object) {
             let newest = anchor.observations.values().rev().filter_map(|seen| {
                 let keyframe = index.keyframe(seen.keyframe)?;
                 let reads = keyframe.session == session && is_alike(object, seen);

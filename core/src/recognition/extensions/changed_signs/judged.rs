@@ -74,7 +74,7 @@ fn see_again(record: &mut Recorder<'_>, passage: &Passage) {
         changes.extend(members.into_iter().map(Change::MissesWithdrawn));
     }
     if !changes.is_empty() {
-        record.touch(root);
+        record.touch([root]);
         record.apply(changes);
     }
     if returns {
@@ -100,7 +100,7 @@ fn miss(record: &mut Recorder<'_>, passage: &Passage, place: &Point3) {
     };
     if let Some((keyframe, other)) = keyframe.zip(other) {
         record.apply(vec![Change::SignMissed(MissedSign { anchor: root, keyframe, other })]);
-        record.touch(root);
+        record.touch([root]);
         retire(record, passage);
     }
 }
@@ -200,7 +200,7 @@ fn text_of(
     other: AnchorSeq,
 ) -> Option<(String, bool)> {
     if !object.members.contains(&other) {
-        let description = index.objects().get(index.objects().root(other)?)?.description.as_ref()?;
+        let description = index.object_of(other)?.description.as_ref()?;
         return Some((description.text.gist().to_owned(), description.certainty == Certainty::Sure));
     }
     let read = index.anchor(other)?.observations.values().filter_map(|seen| {

@@ -9,14 +9,15 @@ use super::expected::{Expecting, is_in_image};
 use super::passages::Passage;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::domain::settings::Settings;
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{Comparisons, PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::screening::Stage;
 use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
-use crate::recognition::verification::Status;
 
 /// Map points this near to a sign's centre, in metres, are around it.
 pub const AROUND_M: f64 = 0.5;
@@ -121,9 +122,10 @@ impl Look {
         let comparisons = Comparisons::default();
         let asked = PlacedQuery::new((query, of(self.query.0)?), &comparisons);
         let seen = of(self.candidate.0)?;
-        let checked = verify_views(&terms, &asked, (candidate, seen), features, SEED).ok()?;
+        let views = (candidate, seen);
+        let checked = verify_views(&terms, Stage::AskGeometry, &asked, views, features, SEED).ok()?;
         let found = &checked.verification;
-        if found.status != Status::Verified || !found.model.is_metric() {
+        if found.status != GeometryStatus::Verified || !found.model.is_metric() {
             return None;
         }
         let candidate_from_query: Sim3 = checked.between_poses(&found.candidate_from_query?);

@@ -42,10 +42,9 @@ pub(super) fn sightings<'a>(
     keyframe: KeyframeSeq,
 ) -> impl Iterator<Item = Sighting<'a>> {
     let class = index.class_of(object);
-    let anchors = index.anchors_seen_by(keyframe).filter_map(|seq| Some((seq, index.anchor(seq)?)));
-    anchors.filter(move |(_, anchor)| *anchor.class == *class).flat_map(move |(seq, anchor)| {
-        let seen = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
-        seen.map(move |(_, seen)| Sighting { seq, anchor, seen })
+    index.detections_of(keyframe).filter_map(move |(seq, seen)| {
+        let anchor = index.anchor(seq).filter(|anchor| *anchor.class == *class)?;
+        Some(Sighting { seq, anchor, seen })
     })
 }
 
@@ -62,19 +61,13 @@ pub(in crate::recognition::extensions) fn is_alike(object: &MergedAnchor, seen: 
     let Some(description) = &object.description else { return false };
     // Most are written alike.
     let is_alike = |reading: &str| *reading == *description.raw || description.text.reads_as(reading);
-    readings(seen).any(is_alike)
+    seen.readings().any(is_alike)
 }
 
 /// Returns what was read in a detection, if it excludes what the object is called.
 pub(super) fn read_otherwise(index: &MapIndex, object: &MergedAnchor, seen: &Observation) -> Option<Text> {
     let description = object.description.as_ref()?;
     let numbering = index.readings().numbering(index.class_of(object));
-    let mut texts = readings(seen).map(|reading| Text::under(reading, numbering));
+    let mut texts = seen.readings().map(|reading| Text::under(reading, numbering));
     texts.find(|text| semantics::is_conflict(&description.text, text))
-}
-
-/// Returns the text that the client read, and the one that a model read.
-fn readings(seen: &Observation) -> impl Iterator<Item = &str> {
-    let by_model = seen.crop_reading.as_ref().map(|read| &*read.text);
-    seen.reading.as_deref().into_iter().chain(by_model)
 }

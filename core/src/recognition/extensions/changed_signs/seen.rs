@@ -66,7 +66,6 @@ pub fn in_its_place(index: &MapIndex, passage: &Passage, place: &Point3) -> InIt
 
 /// Whether one keyframe has seen both: then the other is a neighbour, and hangs in nobody's place.
 fn hangs_beside(index: &MapIndex, object: &MergedAnchor, other: AnchorSeq) -> bool {
-    let root = index.objects().root(other).filter(|_| !object.members.contains(&other));
-    let neighbour = root.and_then(|root| index.objects().get(root));
+    let neighbour = index.object_of(other).filter(|_| !object.members.contains(&other));
     neighbour.is_some_and(|neighbour| !index.keyframes_of(object).is_disjoint(&index.keyframes_of(neighbour)))
 }

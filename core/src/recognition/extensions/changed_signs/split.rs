@@ -42,7 +42,7 @@ pub(super) fn split(record: &mut Recorder<'_>, passage: &Passage, gist: &str) ->
     }
     let added = Change::AnchorAdded(new, class);
     let changes = [added].into_iter().chain(moved.into_iter().map(Change::ObservationMoved)).collect();
-    record.touch(new);
+    record.touch([new]);
     record.apply(changes);
     Some(new)
 }

@@ -8,7 +8,7 @@
 //! from either end.
 
 use super::map_index::MapIndex;
-use super::odometer::{Step, UM_PER_M, find};
+use super::odometer::{Step, UM_PER_M, find, steps_before, steps_from};
 use super::way::step_length_um;
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, SessionSeq};
@@ -123,16 +123,11 @@ impl MapIndex {
             return Vec::new();
         };
         let (place, next) = match find(blocks, own.stamp, own.id, &self.keyframes) {
-            Ok(place) => (place, place.at + 1),
-            Err(place) => (place, place.at),
+            Ok(place) => (place, place.next()),
+            Err(place) => (place, place),
         };
-        let (blocks_before, rest) = blocks.split_at(place.block);
-        let Some((block, blocks_after)) = rest.split_first() else { return Vec::new() };
-        let back = block.steps[..place.at].iter().rev();
-        let back = back.chain(blocks_before.iter().rev().flat_map(|block| block.steps.iter().rev()));
-        let on = block.steps[next..].iter().chain(blocks_after.iter().flat_map(|block| &block.steps));
-        let mut near = self.within(own, back);
-        near.extend(self.within(own, on));
+        let mut near = self.within(own, steps_before(blocks, place));
+        near.extend(self.within(own, steps_from(blocks, next)));
         near.sort_unstable();
         near
     }

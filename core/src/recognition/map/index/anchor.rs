@@ -13,7 +13,7 @@ use crate::geometry::{Aabb, Point3};
 /// A semantic anchor (§IV-B) with the facts that are its own. Which anchors are one object
 /// is told by [`super::objects`]; an anchor keeps its observations when it is merged, so that
 /// revoking a loop splits exactly what the loop joined.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Anchor {
     /// Class of the detected object.
     pub class: Box<str>,
@@ -75,15 +75,7 @@ fn grown(aabb: Option<Aabb>, points: impl IntoIterator<Item = Point3>) -> Option
 impl Anchor {
     /// Returns an anchor without any observation yet.
     pub fn new(class: Box<str>) -> Self {
-        Self {
-            class,
-            observations: BTreeMap::new(),
-            prior: None,
-            description_by_hand: None,
-            version: 1,
-            votes: Votes::default(),
-            shapes: BTreeMap::new(),
-        }
+        Self { class, version: 1, ..Self::default() }
     }
 
     /// Takes what a plan says of it.

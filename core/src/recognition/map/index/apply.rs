@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use super::anchor::Anchor;
 use super::map_index::MapIndex;
-use super::objects::Judging;
 use super::objects::MergedAnchor;
 use super::reverse::remove_last;
 use super::texts::TextIndex;
@@ -119,9 +118,9 @@ impl MapIndex {
                 if let Some(anchor) = self.anchors.get_mut(read.anchor.index())
                     && let Some(observation) = anchor.observations.get_mut(&(read.keyframe, read.detection))
                 {
-                    self.readings.remove(&anchor.class, read.anchor, observation, &mut touched.parsed);
+                    self.readings.count(&anchor.class, read.anchor, observation, &mut touched.parsed, false);
                     observation.crop_reading = Some(read.reading.clone());
-                    self.readings.add(&anchor.class, read.anchor, observation, &mut touched.parsed);
+                    self.readings.count(&anchor.class, read.anchor, observation, &mut touched.parsed, true);
                     touched.stale.insert(read.anchor);
                 }
             }
@@ -158,13 +157,9 @@ impl MapIndex {
         }
         touched.anchors.extend(self.readings.take_touched());
         self.renumber(&mut touched);
-        let judging = Judging {
-            settings: &self.properties.settings,
-            verdicts: self.texts.verdicts(),
-            readings: &self.readings,
-            changed_signs: &self.changed_signs,
-        };
-        let (gone, standing) = self.objects.regroup(&touched.anchors, &self.anchors, &judging);
+        let mut objects = std::mem::take(&mut self.objects);
+        let (gone, standing) = objects.regroup(&touched.anchors, &self.anchors, &self.judging());
+        self.objects = objects;
         for root in gone {
             self.texts.set(root, "", None);
             self.sign_grid.take(root);
@@ -283,9 +278,9 @@ impl MapIndex {
             self.globals.remove(parts.keyframe);
         }
         for (detection, anchor) in &parts.crops {
-            let anchor = anchor.and_then(|anchor| Some((anchor, self.anchors.get_mut(anchor.index())?)));
-            let Some((seq, anchor)) = anchor else { continue };
-            if let Some(observation) = anchor.observations.get_mut(&(parts.keyframe, *detection)) {
+            if let Some(seq) = *anchor
+                && let Some(observation) = self.observation_mut(seq, (parts.keyframe, *detection))
+            {
                 observation.crop_area_px = None;
                 touched.stale.insert(seq);
             }
@@ -316,7 +311,7 @@ impl MapIndex {
                 let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
                 for (_, observation) in gone {
                     self.tally.remove_observation(&observation);
-                    self.readings.remove(&class, holder, &observation, &mut touched.parsed);
+                    self.readings.count(&class, holder, &observation, &mut touched.parsed, false);
                 }
             }
             touched.stale.insert(holder);
@@ -331,12 +326,9 @@ impl MapIndex {
         touched: &mut Touched,
     ) {
         // A deferred change may name the anchor that the detection fed before it was moved.
-        let holds = |anchor: &Anchor| anchor.observations.contains_key(&at);
-        let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
-        let holder = [seq].into_iter().chain(self.anchors_seen_by(at.0)).find(is_holder);
+        let holder = if self.observation(seq, at).is_some() { Some(seq) } else { self.fed_by(at) };
         if let Some(holder) = holder
-            && let Some(anchor) = self.anchor_mut(holder)
-            && let Some(observation) = anchor.observations.get_mut(&at)
+            && let Some(observation) = self.observation_mut(holder, at)
         {
             observation.position_in_session = Some(position);
             touched.stale.insert(holder);
@@ -344,16 +336,14 @@ impl MapIndex {
     }
 
     fn observe(&mut self, seq: AnchorSeq, observation: &Observation, touched: &mut Touched) {
-        let Some(session) = self.keyframe(observation.keyframe).map(|keyframe| keyframe.session) else {
-            return;
-        };
+        let Some(session) = self.session_of(observation.keyframe) else { return };
         let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
         self.holders.hold(session, &observation.map_points, seq);
         let is_code = self.readings.is_of_codes(&anchor.class);
         anchor.observe(observation.clone(), session, is_code, &self.points, &mut touched.parsed);
         self.tally.add_observation(observation);
-        self.readings.add(&anchor.class, seq, observation, &mut touched.parsed);
-        self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);
+        self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, true);
+        self.seen_by.get_or_insert_with(observation.keyframe.index(), BTreeSet::new).insert(seq);
         touched.anchors.insert(seq);
     }
 
@@ -362,7 +352,7 @@ impl MapIndex {
         let Some(anchor) = self.anchors.get_mut(from.index()) else { return };
         let Some(observation) = anchor.observations.remove(&(keyframe, detection)) else { return };
         self.tally.remove_observation(&observation);
-        self.readings.remove(&anchor.class, from, &observation, &mut touched.parsed);
+        self.readings.count(&anchor.class, from, &observation, &mut touched.parsed, false);
         let mut others = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
         if others.next().is_none()
             && let Some(seen) = self.seen_by.get_mut(keyframe.index())
@@ -380,7 +370,7 @@ impl MapIndex {
         self.holders.release(&anchor.shapes, seq);
         for observation in anchor.observations.values() {
             self.tally.remove_observation(observation);
-            self.readings.remove(&anchor.class, seq, observation, &mut touched.parsed);
+            self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, false);
         }
         for keyframe in anchor.keyframes() {
             if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {
@@ -426,5 +416,13 @@ impl MapIndex {
 
     fn anchor_mut(&mut self, seq: AnchorSeq) -> Option<&mut Anchor> {
         self.anchors.get_mut(seq.index())
+    }
+
+    pub(super) fn observation_mut(
+        &mut self,
+        anchor: AnchorSeq,
+        at: (KeyframeSeq, u16),
+    ) -> Option<&mut Observation> {
+        self.anchor_mut(anchor)?.observations.get_mut(&at)
     }
 }

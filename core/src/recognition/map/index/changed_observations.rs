@@ -97,9 +97,8 @@ impl MapIndex {
         points: &[PointId],
         touched: &mut Touched,
     ) {
-        let observation =
-            self.anchors.get_mut(seq.index()).and_then(|anchor| anchor.observations.get_mut(&at));
-        let Some(observation) = observation else { return };
+        let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
+        let Some(observation) = anchor.observations.get_mut(&at) else { return };
         self.tally.remove_observation(observation);
         observation.map_points = points.into();
         self.tally.add_observation(observation);

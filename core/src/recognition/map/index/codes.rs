@@ -14,19 +14,21 @@ impl MapIndex {
             .filter(|(_, anchor)| self.readings.is_of_codes(&anchor.class) != is_now(&anchor.class));
         let concerned: Vec<AnchorSeq> = concerned.map(|(seq, _)| AnchorSeq(seq as u32)).collect();
         // Under the rule by which they were counted.
-        for (seq, anchor) in concerned.iter().filter_map(|seq| Some((*seq, self.anchors.get(seq.index())?))) {
-            for observation in anchor.observations.values() {
-                self.readings.remove(&anchor.class, seq, observation, &mut touched.parsed);
-            }
-        }
+        self.count_readings(&concerned, touched, false);
         self.readings.set_codes(classes);
-        for (seq, anchor) in concerned.iter().filter_map(|seq| Some((*seq, self.anchors.get(seq.index())?))) {
-            for observation in anchor.observations.values() {
-                self.readings.add(&anchor.class, seq, observation, &mut touched.parsed);
-            }
+        self.count_readings(&concerned, touched, true);
+        for seq in &concerned {
             // An equal text may be parsed otherwise now.
-            self.texts.set(seq, "", None);
+            self.texts.set(*seq, "", None);
         }
         touched.stale.extend(concerned);
+    }
+
+    fn count_readings(&mut self, anchors: &[AnchorSeq], touched: &mut Touched, is_there: bool) {
+        for (seq, anchor) in anchors.iter().filter_map(|seq| Some((*seq, self.anchors.get(seq.index())?))) {
+            for observation in anchor.observations.values() {
+                self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, is_there);
+            }
+        }
     }
 }

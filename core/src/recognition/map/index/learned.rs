@@ -30,7 +30,7 @@ impl MapIndex {
 
     /// Returns the object of a sign that takes part in comparisons, read alike twice or described.
     fn sign(&self, anchor: AnchorSeq) -> Option<&MergedAnchor> {
-        let object = self.objects.get(self.objects.root(anchor)?)?;
+        let object = self.object_of(anchor)?;
         let is_known = |object: &&MergedAnchor| {
             let certainty = object.description.as_ref().map(|description| description.certainty);
             object.state == AnchorState::Valid && certainty > Some(Certainty::ReadOnce)

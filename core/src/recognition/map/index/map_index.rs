@@ -17,6 +17,7 @@ use super::tally::Tally;
 use super::texts::TextIndex;
 use super::touched::Touched;
 use super::verdicts::Verdicts;
+use crate::domain::anchor::Observation;
 use crate::domain::change::{Keyframe, Loop, MissedSign, Twins};
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
 use crate::domain::map::{MapFigures, MapProperties};
@@ -118,6 +119,18 @@ impl MapIndex {
     /// Returns a keyframe, unless it was culled.
     pub fn keyframe(&self, seq: KeyframeSeq) -> Option<&Keyframe> {
         self.keyframes.get(seq.index())
+    }
+
+    /// Returns the session of a keyframe.
+    pub fn session_of(&self, seq: KeyframeSeq) -> Option<SessionSeq> {
+        self.keyframe(seq).map(|keyframe| keyframe.session)
+    }
+
+    /// Whether two keyframes are near each other in one session's frame: their cameras stand within the radius of a place.
+    pub fn are_near(&self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        let Some((a, b)) = self.keyframe(a).zip(self.keyframe(b)) else { return false };
+        let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
+        a.session == b.session && apart_m <= self.properties.settings.distinctive_place_radius_m
     }
 
     /// Returns every keyframe, in order of arrival.
@@ -244,6 +257,25 @@ impl MapIndex {
         self.seen_by.get(keyframe.index()).into_iter().flatten().copied()
     }
 
+    /// Returns the detections of a keyframe that feed an anchor, each with it.
+    pub fn detections_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (AnchorSeq, &Observation)> {
+        let anchors = self.anchors_seen_by(keyframe).filter_map(|seq| Some((seq, self.anchor(seq)?)));
+        anchors.flat_map(move |(seq, anchor)| {
+            let of_keyframe = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
+            of_keyframe.map(move |(_, seen)| (seq, seen))
+        })
+    }
+
+    /// Returns a detection of a keyframe, by its number, that feeds an anchor.
+    pub fn observation(&self, anchor: AnchorSeq, detection: (KeyframeSeq, u16)) -> Option<&Observation> {
+        self.anchor(anchor)?.observations.get(&detection)
+    }
+
+    /// Returns the anchor that a detection of a keyframe, by its number, feeds.
+    pub fn fed_by(&self, detection: (KeyframeSeq, u16)) -> Option<AnchorSeq> {
+        self.anchors_seen_by(detection.0).find(|anchor| self.observation(*anchor, detection).is_some())
+    }
+
     /// Returns the objects that a keyframe sees, ascending.
     pub fn objects_seen_by(&self, keyframe: KeyframeSeq) -> BTreeSet<AnchorSeq> {
         self.anchors_seen_by(keyframe).filter_map(|anchor| self.objects.root(anchor)).collect()
@@ -261,9 +293,19 @@ impl MapIndex {
         ascending(ascending(anchors).into_iter().filter_map(|anchor| self.objects.root(anchor)).collect())
     }
 
+    /// Returns the object that an anchor belongs to.
+    pub fn object_of(&self, anchor: AnchorSeq) -> Option<&MergedAnchor> {
+        self.objects.get(self.objects.root(anchor)?)
+    }
+
+    /// Returns the anchors of an object, oldest first.
+    pub fn anchors_of(&self, object: &MergedAnchor) -> impl Iterator<Item = &Anchor> {
+        object.members.iter().filter_map(|member| self.anchor(*member))
+    }
+
     /// Returns the keyframes that see an object, ascending.
     pub fn keyframes_of(&self, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
-        object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()
+        self.anchors_of(object).flat_map(Anchor::keyframes).collect()
     }
 
     /// Returns what the keyframes of a session before one had seen of an object, where the map points are now; `None` if that
@@ -275,9 +317,9 @@ impl MapIndex {
         keyframe: KeyframeSeq,
     ) -> Option<Shape> {
         let mut shape = None;
-        for anchor in object.members.iter().filter_map(|member| self.anchor(*member)) {
+        for anchor in self.anchors_of(object) {
             for (_, observation) in anchor.observations.range(..(keyframe, 0)) {
-                if self.keyframe(observation.keyframe).is_some_and(|of| of.session == session) {
+                if self.session_of(observation.keyframe) == Some(session) {
                     shape.get_or_insert_with(Shape::default).add(observation, session, &self.points);
                 }
             }

@@ -72,6 +72,13 @@ pub(super) struct Place {
     pub(super) at: usize,
 }
 
+impl Place {
+    /// Returns the place after it in its block, or the end of that.
+    pub(super) fn next(self) -> Self {
+        Self { at: self.at + 1, ..self }
+    }
+}
+
 impl Odometer {
     /// Whether a session has more than one keyframe.
     pub(super) fn has_way(&self, session: SessionSeq) -> bool {
@@ -80,10 +87,19 @@ impl Odometer {
             .is_some_and(|blocks| blocks.iter().flat_map(|block| &block.steps).nth(1).is_some())
     }
 
+    /// Returns the blocks of a keyframe's session and its place there.
+    pub(super) fn place(
+        &self,
+        keyframe: &Keyframe,
+        keyframes: &DenseMap<Keyframe>,
+    ) -> Option<(&[Block], Place)> {
+        let blocks = self.sessions.get(&keyframe.session)?;
+        Some((blocks, find(blocks, keyframe.stamp, &keyframe.id, keyframes).ok()?))
+    }
+
     /// Returns where a keyframe stands on its session's way.
     pub(super) fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
-        let blocks = self.sessions.get(&keyframe.session)?;
-        let place = find(blocks, keyframe.stamp, &keyframe.id, keyframes).ok()?;
+        let (blocks, place) = self.place(keyframe, keyframes)?;
         let (before, rest) = blocks.split_at(place.block);
         let own = &rest.first()?.steps[..=place.at];
         let breaks = before.iter().map(|block| block.breaks).sum::<usize>()
@@ -214,25 +230,23 @@ pub(super) fn find(
     blocks[block].steps.binary_search_by(by_stamp).map(place).map_err(place)
 }
 
-/// Returns the keyframe before a place.
-pub(super) fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
-    let step = match place.at.checked_sub(1) {
-        Some(at) => blocks[place.block].steps.get(at),
-        None => blocks[..place.block].last()?.steps.last(),
-    };
-    step.map(|step| step.keyframe)
+/// Returns the steps before a place, the nearest first.
+pub(super) fn steps_before(blocks: &[Block], place: Place) -> impl Iterator<Item = &Step> {
+    let before = blocks[..place.block].iter().rev().flat_map(|block| block.steps.iter().rev());
+    blocks[place.block].steps[..place.at].iter().rev().chain(before)
 }
 
-/// Returns the step after a place.
-pub(super) fn step_after(blocks: &[Block], place: Place) -> Option<&Step> {
-    let own = blocks[place.block].steps.get(place.at + 1);
-    own.or_else(|| blocks.get(place.block + 1)?.steps.first())
+/// Returns the steps from a place on.
+pub(super) fn steps_from(blocks: &[Block], place: Place) -> impl Iterator<Item = &Step> {
+    let after = blocks[place.block + 1..].iter().flat_map(|block| &block.steps);
+    blocks[place.block].steps[place.at..].iter().chain(after)
 }
 
 /// Measures the step to a keyframe from the one before it.
 fn measure_step(blocks: &mut [Block], place: Place, measure: Measure<'_>) {
     let keyframe = blocks[place.block].steps[place.at].keyframe;
-    let way_um = before(blocks, place).and_then(|before| measure(before, keyframe));
+    let before = steps_before(blocks, place).next();
+    let way_um = before.and_then(|before| measure(before.keyframe, keyframe));
     blocks[place.block].set(place.at, way_um);
 }
 
@@ -240,8 +254,7 @@ fn measure_step(blocks: &mut [Block], place: Place, measure: Measure<'_>) {
 fn measure_around(blocks: &mut [Block], place: Place, measure: Measure<'_>) {
     measure_step(blocks, place, measure);
     let is_last = place.at + 1 == blocks[place.block].steps.len();
-    let after =
-        if is_last { Place { block: place.block + 1, at: 0 } } else { Place { at: place.at + 1, ..place } };
+    let after = if is_last { Place { block: place.block + 1, at: 0 } } else { place.next() };
     if after.block < blocks.len() {
         measure_step(blocks, after, measure);
     }

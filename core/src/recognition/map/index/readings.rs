@@ -110,39 +110,25 @@ impl Readings {
         self.open.extend(before.symmetric_difference(&self.codes).cloned());
     }
 
-    /// A detection that feeds an anchor has been read.
-    pub(super) fn add(
+    /// Counts the readings of a detection that feeds an anchor, or no longer: it is gone, or about to be read anew.
+    pub(super) fn count(
         &mut self,
         class: &str,
         anchor: AnchorSeq,
         observation: &Observation,
         parsed: &mut ParsedReadings,
+        is_there: bool,
     ) {
         let is_code = self.is_of_codes(class);
-        for reading in readings(observation) {
+        let sighting = (observation.keyframe, observation.detection, anchor);
+        for reading in observation.readings() {
             self.change(class, &parsed.of(reading, is_code), |sightings| {
-                let sighting = (observation.keyframe, observation.detection, anchor);
-                if let Err(at) = sightings.binary_search(&sighting) {
-                    sightings.insert(at, sighting);
-                }
-            });
-        }
-    }
-
-    /// The detection is gone, or is about to be read anew.
-    pub(super) fn remove(
-        &mut self,
-        class: &str,
-        anchor: AnchorSeq,
-        observation: &Observation,
-        parsed: &mut ParsedReadings,
-    ) {
-        let is_code = self.is_of_codes(class);
-        for reading in readings(observation) {
-            self.change(class, &parsed.of(reading, is_code), |sightings| {
-                let sighting = (observation.keyframe, observation.detection, anchor);
-                if let Ok(at) = sightings.binary_search(&sighting) {
-                    sightings.remove(at);
+                match sightings.binary_search(&sighting) {
+                    Err(at) if is_there => sightings.insert(at, sighting),
+                    Ok(at) if !is_there => {
+                        sightings.remove(at);
+                    }
+                    _ => {}
                 }
             });
         }
@@ -221,12 +207,4 @@ impl Readings {
 fn is_alike(sightings: &[Sighting]) -> bool {
     let [first, .., last] = sightings else { return false };
     first.0 != last.0
-}
-
-/// Returns the texts that an observation was read as: by the client, by a model, or both.
-fn readings(observation: &Observation) -> impl Iterator<Item = &str> {
-    let by_client = observation.reading.as_deref();
-    let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);
-    let by_model = by_model.filter(|text| by_client != Some(text));
-    by_client.into_iter().chain(by_model)
 }

@@ -1,7 +1,7 @@
 //! The way of a session, asked of the map (M15).
 
 use super::map_index::MapIndex;
-use super::odometer::{Measure, Milestone, Odometer, UM_PER_M, before, find, step_after};
+use super::odometer::{Block, Measure, Milestone, Odometer, Place, UM_PER_M, steps_before, steps_from};
 use crate::domain::change::Keyframe;
 use crate::domain::ids::KeyframeSeq;
 use crate::geometry::Point3;
@@ -18,41 +18,24 @@ impl MapIndex {
 
     /// Returns the keyframes back from one on its session's way, that one first.
     pub fn way_back(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
-        let place = self.keyframe(from).and_then(|keyframe| {
-            let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            Some((blocks, find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?))
-        });
-        let steps = place.into_iter().flat_map(|(blocks, place)| {
-            let (before, rest) = blocks.split_at(place.block);
-            let own = rest.iter().take(1).flat_map(move |block| &block.steps[..=place.at]).rev();
-            own.chain(before.iter().rev().flat_map(|block| block.steps.iter().rev()))
-        });
-        steps.map(|step| step.keyframe)
+        let place = self.place_on_way(from).into_iter();
+        place.flat_map(|(blocks, place)| steps_before(blocks, place.next())).map(|step| step.keyframe)
     }
 
     /// Returns the keyframes on from one on its session's way, that one first.
     pub fn way_on(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
-        let place = self.keyframe(from).and_then(|keyframe| {
-            let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            Some((blocks, find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?))
-        });
-        let steps = place.into_iter().flat_map(|(blocks, place)| {
-            let rest = &blocks[place.block..];
-            let own = rest.iter().take(1).flat_map(move |block| &block.steps[place.at..]);
-            own.chain(rest.iter().skip(1).flat_map(|block| &block.steps))
-        });
-        steps.map(|step| step.keyframe)
+        let place = self.place_on_way(from).into_iter();
+        place.flat_map(|(blocks, place)| steps_from(blocks, place)).map(|step| step.keyframe)
     }
 
     /// Returns the keyframes before and after one on its session's way, each with the length of the step between, in
     /// micrometres; none where the way is broken.
     pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
-        let steps = self.keyframe(keyframe).and_then(|keyframe| {
-            let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            let place = find(blocks, keyframe.stamp, &keyframe.id, &self.keyframes).ok()?;
-            let own = blocks[place.block].steps.get(place.at)?;
-            let to_own = before(blocks, place).zip(own.way_um);
-            let next = step_after(blocks, place).and_then(|step| Some((step.keyframe, step.way_um?)));
+        let steps = self.place_on_way(keyframe).and_then(|(blocks, place)| {
+            let mut on = steps_from(blocks, place);
+            let before = steps_before(blocks, place).next().map(|step| step.keyframe);
+            let to_own = before.zip(on.next()?.way_um);
+            let next = on.next().and_then(|step| Some((step.keyframe, step.way_um?)));
             Some([to_own, next])
         });
         steps.into_iter().flatten().flatten()
@@ -91,6 +74,10 @@ impl MapIndex {
         for keyframe in keyframes {
             self.track(keyframe);
         }
+    }
+
+    fn place_on_way(&self, keyframe: KeyframeSeq) -> Option<(&[Block], Place)> {
+        self.odometer.place(self.keyframe(keyframe)?, &self.keyframes)
     }
 
     fn odometer_with(

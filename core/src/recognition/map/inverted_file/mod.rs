@@ -62,11 +62,6 @@ pub struct InvertedFile {
 }
 
 impl InvertedFile {
-    /// Returns a file without keyframes.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Adds a keyframe, which must not be in the file. An empty vector leaves no trace.
     pub fn insert(&mut self, keyframe: u32, bow: &BowVector) {
         if bow.is_empty() {

@@ -21,11 +21,6 @@ pub struct Scratch {
 const NO_KEYFRAMES: usize = usize::MAX;
 
 impl Scratch {
-    /// Memory that will grow to the size of the maps it is used with.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Bytes on the heap.
     #[cfg(test)]
     pub(super) fn heap_bytes(&self) -> usize {

@@ -23,7 +23,7 @@ fn random_bow(rng: &mut ChaCha8Rng) -> BowVector {
 /// A file after many random inserts and removes, some keyframes coming back, and what should be in it.
 fn random_history(seed: u64, steps: u32, id_step: u32, remove_share: f64) -> (InvertedFile, Vectors) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (mut file, mut vectors, mut gone) = (InvertedFile::new(), Vectors::new(), Vec::new());
+    let (mut file, mut vectors, mut gone) = (InvertedFile::default(), Vectors::new(), Vec::new());
     let mut next = 0;
     for _ in 0..steps {
         let kept: Vec<u32> = vectors.keys().copied().collect();
@@ -64,7 +64,7 @@ proptest! {
         seed in any::<u64>(), steps in 0_u32..900, id_step in 1_u32..40, remove_share in 0.0..0.6_f64,
     ) {
         let (file, vectors) = random_history(seed, steps, id_step, remove_share);
-        let mut scratch = Scratch::new();
+        let mut scratch = Scratch::default();
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 1);
         for _ in 0..5 {
             assert_scores(&file, &vectors, &random_bow(&mut rng), &mut scratch);
@@ -81,17 +81,17 @@ proptest! {
         seed in any::<u64>(), steps in 1_u32..600, id_step in 1_u32..40, remove_share in 0.0..0.6_f64,
     ) {
         let (file, vectors) = random_history(seed, steps, id_step, remove_share);
-        let mut rebuilt = InvertedFile::new();
+        let mut rebuilt = InvertedFile::default();
         for (&keyframe, bow) in &vectors {
             rebuilt.insert(keyframe, bow);
         }
         prop_assert!(file == rebuilt);
-        let mut backwards = InvertedFile::new();
+        let mut backwards = InvertedFile::default();
         for (&keyframe, bow) in vectors.iter().rev() {
             backwards.insert(keyframe, bow);
         }
         prop_assert!(file == backwards);
-        assert_scores(&backwards, &vectors, &random_bow(&mut ChaCha8Rng::seed_from_u64(seed)), &mut Scratch::new());
+        assert_scores(&backwards, &vectors, &random_bow(&mut ChaCha8Rng::seed_from_u64(seed)), &mut Scratch::default());
 
         let Some((&keyframe, bow)) = vectors.iter().find(|(_, bow)| !bow.is_empty()) else { return Ok(()) };
         rebuilt.remove(keyframe, bow);
@@ -105,7 +105,7 @@ proptest! {
     fn nothing_is_left_between_queries(seed in any::<u64>(), large in 1_u32..300, small in 1_u32..100) {
         let files = [random_history(seed, large, 60, 0.1), random_history(!seed, small, 3, 0.1)];
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut scratch = Scratch::new();
+        let mut scratch = Scratch::default();
         for _ in 0..6 {
             let (file, vectors) = &files[rng.random_range(0..2)];
             assert_scores(file, vectors, &random_bow(&mut rng), &mut scratch);
@@ -116,7 +116,7 @@ proptest! {
 #[test]
 fn a_map_of_several_blocks_scores_like_brute_force() {
     let (mut file, mut vectors) = random_history(7, 9_500, 1, 0.02);
-    let mut scratch = Scratch::new();
+    let mut scratch = Scratch::default();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     assert_scores(&file, &vectors, &random_bow(&mut rng), &mut scratch);
     // Enough of one sealed block that it is rewritten, then all of it.
@@ -135,15 +135,15 @@ fn a_map_emptied_again_scores_nothing_and_equals_a_new_one() {
     for (&keyframe, bow) in &vectors {
         file.remove(keyframe, bow);
     }
-    assert_eq!(file, InvertedFile::new());
-    assert_eq!(file.score_all(&vectors[&1], &mut Scratch::new()).iter().count(), 0);
+    assert_eq!(file, InvertedFile::default());
+    assert_eq!(file.score_all(&vectors[&1], &mut Scratch::default()).iter().count(), 0);
 }
 
 #[test]
 fn an_empty_vector_is_no_candidate_and_has_none() {
     let (mut file, vectors) = random_history(3, 50, 1, 0.0);
     file.insert(1000, &BowVector::default());
-    let mut scratch = Scratch::new();
+    let mut scratch = Scratch::default();
     assert_eq!(file.score_all(&BowVector::default(), &mut scratch).iter().count(), 0);
     assert_scores(&file, &vectors, &vectors[&1], &mut scratch);
 }
@@ -151,7 +151,7 @@ fn an_empty_vector_is_no_candidate_and_has_none() {
 #[test]
 fn a_patrol_of_years_costs_what_its_last_keyframes_do() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let (mut file, mut vectors, mut scratch) = (InvertedFile::new(), Vectors::new(), Scratch::new());
+    let (mut file, mut vectors, mut scratch) = (InvertedFile::default(), Vectors::new(), Scratch::default());
     for keyframe in 0..50_000 {
         let bow = random_bow(&mut rng);
         file.insert(keyframe, &bow);
@@ -169,13 +169,13 @@ fn a_patrol_of_years_costs_what_its_last_keyframes_do() {
 #[test]
 fn a_loaded_file_equals_a_live_one_in_any_order() {
     let (live, vectors) = random_history(11, 20_000, 1, 0.01);
-    let mut forwards = InvertedFile::new();
+    let mut forwards = InvertedFile::default();
     forwards.begin_loading();
     for (&keyframe, bow) in &vectors {
         forwards.insert(keyframe, bow);
     }
     forwards.finish_loading();
-    let mut backwards = InvertedFile::new();
+    let mut backwards = InvertedFile::default();
     backwards.begin_loading();
     for (&keyframe, bow) in vectors.iter().rev() {
         backwards.insert(keyframe, bow);
@@ -188,7 +188,7 @@ fn a_loaded_file_equals_a_live_one_in_any_order() {
     assert!(live == forwards && live == backwards);
     let query = random_bow(&mut ChaCha8Rng::seed_from_u64(12));
     for file in [&live, &forwards, &backwards] {
-        assert_scores(file, &vectors, &query, &mut Scratch::new());
+        assert_scores(file, &vectors, &query, &mut Scratch::default());
     }
 }
 
@@ -212,10 +212,10 @@ fn a_merge_under_way_answers_and_forgets_what_is_removed() {
         let bow = vectors.remove(&keyframe).unwrap();
         file.remove(keyframe, &bow);
         if step % 50 == 0 {
-            assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::new());
+            assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::default());
         }
     }
     assert!(merges_seen > 10, "{merges_seen}");
     file.advance_merges(usize::MAX);
-    assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::new());
+    assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::default());
 }

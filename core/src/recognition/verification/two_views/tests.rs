@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::super::{Failure, Limits, Model, Status, Verification, View};
+use super::super::{Failure, Limits, Model, Verification, View};
 use super::homography::Homography;
 use super::image_model::ImageModel;
 use super::pairs::TwoViews;
@@ -10,6 +10,7 @@ use super::rotation::Rotation;
 use super::*;
 use crate::domain::keyframe::{Camera, Keypoint};
 use crate::domain::settings::GeometryAcceptance;
+use crate::domain::verdict::GeometryStatus;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::sampling::SplitMix64;
 use crate::geometry::{Point3, Pose, Sim3};
@@ -99,7 +100,7 @@ fn check(scene: &[Point3], query: &Pose, false_every: usize) -> Verification {
 fn a_planted_motion_is_found_also_among_false_matches() {
     for false_every in [0, 4, 2] {
         let found = check(&room(1, 4.0), &moved(), false_every);
-        assert_eq!(found.status, Status::Verified, "{false_every}: {found:#?}");
+        assert_eq!(found.status, GeometryStatus::Verified, "{false_every}: {found:#?}");
         let (rotation_deg, direction_deg) = off(&found.candidate_from_query.unwrap(), &moved());
         assert!(rotation_deg < 1.0 && direction_deg < 4.0, "{false_every}: {rotation_deg}, {direction_deg}");
     }
@@ -109,14 +110,14 @@ fn a_planted_motion_is_found_also_among_false_matches() {
 fn a_camera_that_only_turned_is_a_rotation_and_a_plane_a_homography() {
     for false_every in [0, 4, 2] {
         let found = check(&room(1, 4.0), &turned(), false_every);
-        assert_eq!((found.status, found.model), (Status::Verified, Model::Rotation), "{found:#?}");
+        assert_eq!((found.status, found.model), (GeometryStatus::Verified, Model::Rotation), "{found:#?}");
         let transform = found.candidate_from_query.unwrap();
         assert!(off(&transform, &turned()).0 < 0.1, "{transform:?}");
         assert_eq!(transform.translation_m(), [0.0; 3], "nothing is known of it");
         let found = check(&room(1, 0.0), &moved(), false_every);
-        assert_eq!((found.status, found.model), (Status::Verified, Model::Homography), "{found:#?}");
+        assert_eq!((found.status, found.model), (GeometryStatus::Verified, Model::Homography), "{found:#?}");
         let found = check(&room(1, 4.0), &moved(), false_every);
-        assert_eq!((found.status, found.model), (Status::Verified, Model::Essential), "{found:#?}");
+        assert_eq!((found.status, found.model), (GeometryStatus::Verified, Model::Essential), "{found:#?}");
     }
 }
 
@@ -126,7 +127,7 @@ fn rooms_whose_features_match_by_chance_are_refused() {
         let asked = picture(&room(10 + seed, 4.0), 1_000, &moved(), 0, 5);
         let stored = picture(&room(20 + seed, 4.0), 1_000, &Pose::identity(), 0, 6);
         let found = verify_two_views(&asked.view(), &stored.view(), &Limits::default(), seed);
-        assert_eq!(found.status, Status::Failed, "{seed}: {found:#?}");
+        assert_eq!(found.status, GeometryStatus::Failed, "{seed}: {found:#?}");
         assert_eq!(found, verify_two_views(&asked.view(), &stored.view(), &Limits::default(), seed));
     }
 }
@@ -225,7 +226,7 @@ fn a_homography_tells_the_motion_only_where_one_is_possible() {
 #[test]
 fn matches_at_one_place_prove_nothing() {
     let found = check(&vec![Point3::new(0.5, 0.0, 5.0); 60], &turned(), 0);
-    assert_ne!(found.status, Status::Verified, "{found:#?}");
+    assert_ne!(found.status, GeometryStatus::Verified, "{found:#?}");
 }
 
 #[test]
@@ -251,8 +252,8 @@ fn the_count_of_the_letter_is_a_switch() {
         let limits = Limits { acceptance, ..Limits::default() };
         verify_two_views(&asked.view(), &stored.view(), &limits, 1)
     };
-    assert_eq!(by(GeometryAcceptance::Significance).status, Status::Verified);
+    assert_eq!(by(GeometryAcceptance::Significance).status, GeometryStatus::Verified);
     let counted = by(GeometryAcceptance::Count);
-    assert_eq!(counted.status, Status::Failed, "{counted:#?}");
+    assert_eq!(counted.status, GeometryStatus::Failed, "{counted:#?}");
     assert!(matches!(counted.failure, Some(Failure::TooFewInliers { limit: 20, .. })));
 }
