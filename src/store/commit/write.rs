@@ -194,7 +194,6 @@ async fn log(
     if waits { deferred::wait(db, of).await } else { Ok(()) }
 }
 
-#[expect(clippy::too_many_lines, reason = "one arm for each change")]
 async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change) -> Result<(), StoreError> {
     let (map, version) = (batch.map, batch.version);
     let of = (map, version);
