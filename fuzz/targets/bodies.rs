@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, NewVerdict, PoseCorrection};
-use revisit::api::anchor::AnchorPatch;
+use revisit::api::anchor::AnchorPatchBody;
 use revisit::api::session_merge::MergeFields;
 use revisit::api::semantics::{OneText, TextPair};
 use revisit::api::decoding::{read, syntax};
@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
         2 => read::decode::<PoseCorrection>(&body).err(),
         3 => read::decode::<NewLoop>(&body).err(),
         4 => read::decode::<LoopQuery>(&body).err(),
-        5 => read::decode::<AnchorPatch>(&body).err(),
+        5 => read::decode::<AnchorPatchBody>(&body).err(),
         6 => read::decode::<TextPair>(&body).err(),
         7 => read::decode::<ChangedObservations>(&body).err(),
         8 => read::decode::<MergeFields>(&body).err(),

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream as Tokens;
 use quote::{ToTokens as _, quote};
 use syn::{Attribute, GenericArgument, Ident, Meta, PathArguments, Type};
 
-use crate::bounds::{Bounds, count, float, number, whole};
+use crate::bounds::Bounds;
 use crate::column::Column;
 
 /// The source that a shape is read from.
@@ -26,6 +26,7 @@ pub struct Field {
     marks: Vec<&'static str>,
     reader: Option<Tokens>,
     source: Option<Tokens>,
+    value: Option<Tokens>,
     parallel_to: Option<Ident>,
     column: Option<Column>,
     renamed: Option<String>,
@@ -57,6 +58,7 @@ impl Field {
             marks: Vec::new(),
             reader: None,
             source: None,
+            value: None,
             parallel_to: None,
             column: None,
             renamed: None,
@@ -82,6 +84,8 @@ impl Field {
             self.column = Some(attribute.parse_args()?);
         } else if path.is_ident("from") {
             self.source = Some(attribute.meta.require_list()?.tokens.clone());
+        } else if path.is_ident("is") {
+            self.value = Some(attribute.meta.require_list()?.tokens.clone());
         } else if path.is_ident("read") {
             self.reader = Some(attribute.meta.require_list()?.tokens.clone());
         } else {
@@ -125,7 +129,7 @@ impl Field {
         let left_out = (source == Source::Body && is_optional && !self.has("null"))
             .then(|| quote!(#[serde(default, skip_serializing_if = "Option::is_none")]));
         let id = self.has("id").then(|| self.declared_id(source));
-        let has_default = source == Source::Query && self.bounds.default.is_some();
+        let has_default = source == Source::Query && self.bounds.has("default");
         let not_required = has_default.then(|| quote!(#[param(required = false)]));
         quote!(#left_out #id #not_required #declaration)
     }
@@ -135,8 +139,7 @@ impl Field {
         let Some(column) = &self.column else { return Ok(self.declared(Source::Body)) };
         let syn::Field { attrs, ty, .. } = &self.declaration;
         let (name, packed, about) = (self.ident(), &column.packed, column.about());
-        let most = self.bounds.max_items.as_ref().and_then(|text| number(text)).unwrap_or(0);
-        let most = column.most_chars(most)?;
+        let most = column.most_chars(self.bounds.number("max_items").unwrap_or(0))?;
         let is_optional = within(ty, "Option").is_some();
         let list = if is_optional { quote!(#ty) } else { quote!(Option<#ty>) };
         let required = format!(" This or `{packed}` is required.");
@@ -173,14 +176,14 @@ impl Field {
 
     /// Returns the expression of its value, of a model that is called `of`.
     pub fn shown(&self, is_borrowed: bool) -> Tokens {
+        if let Some(value) = &self.value {
+            return value.clone();
+        }
         let ident = self.ident();
-        let value = match &self.source {
-            Some(source) => source.clone(),
-            None if is_borrowed => quote!(of.#ident.clone()),
-            None => quote!(of.#ident),
-        };
+        let value = self.source.clone().unwrap_or_else(|| quote!(of.#ident));
         if !self.has("rounded") {
-            return quote!(crate::api::shown::Shown::shown(#value));
+            let borrowed = (is_borrowed && self.source.is_none()).then(|| quote!(&));
+            return quote!(crate::api::shown::Shown::shown(#borrowed #value));
         }
         let rounded = quote!(crate::api::space::rounded);
         if matches!(&self.declaration.ty, Type::Path(path) if path.path.is_ident("f64")) {
@@ -206,7 +209,7 @@ impl Field {
         if optional.is_some() {
             return Ok(quote!(object.optional(#name, |node| #read)));
         }
-        let Some(default) = &self.bounds.default else {
+        let Some(default) = self.bounds.default_value() else {
             return Ok(quote!(object.required(#name, |node| #read)));
         };
         Ok(quote!(object.optional(#name, |node| #read).map(|found| found.unwrap_or(#default))))
@@ -238,24 +241,24 @@ impl Field {
         if let Some(reader) = &self.reader {
             return Ok(quote!((#reader)(node)));
         }
+        let bounds = &self.bounds;
         if let Some(item) = within(of, "Vec") {
-            let (item, most) = (self.read(item, source)?, count(self.bounds.max_items.as_ref()));
+            let (item, most) = (self.read(item, source)?, bounds.count("max_items"));
             if self.has("unique") {
                 return Ok(quote!(node.unique(#most, |node| #item)));
             }
-            let Some(least) = &self.bounds.min_items else {
+            if !bounds.has("min_items") {
                 return Ok(quote!(node.list(#most, |node| #item)));
-            };
-            let least = count(Some(least));
+            }
+            let least = bounds.count("min_items");
             return Ok(quote!(node.some_of(#least..=#most, |node| #item)));
         }
         if self.has("id") {
             return Ok(quote!(crate::api::decoding::read::id::<#of>(node)));
         }
-        let Bounds { minimum, maximum, min_length, max_length, .. } = &self.bounds;
+        let floats = || (bounds.float("minimum", f64::MIN), bounds.float("maximum", f64::MAX));
         if let Type::Array(array) = of {
-            let (least, most, len) =
-                (float(minimum.as_ref(), f64::MIN), float(maximum.as_ref(), f64::MAX), &array.len);
+            let ((least, most), len) = (floats(), &array.len);
             return Ok(quote!(node.numbers::<{ #len }>(#least..=#most)));
         }
         let name = plain(of).unwrap_or_default();
@@ -263,7 +266,7 @@ impl Field {
             "bool" if source == Source::Query => quote!(crate::api::decoding::read::written_switch(node)),
             "bool" => quote!(crate::api::decoding::read::switch(node)),
             "f64" => {
-                let (least, most) = (float(minimum.as_ref(), f64::MIN), float(maximum.as_ref(), f64::MAX));
+                let (least, most) = floats();
                 quote!(node.number(#least..=#most))
             }
             "u8" | "u16" | "u32" | "u64" | "usize" | "i64" => {
@@ -275,16 +278,16 @@ impl Field {
                     _ => (0, i64::MAX),
                 };
                 let (least, most) =
-                    (whole(minimum.as_ref(), otherwise.0), whole(maximum.as_ref(), otherwise.1));
+                    (bounds.whole("minimum", otherwise.0), bounds.whole("maximum", otherwise.1));
                 let reader = if source == Source::Query { quote!(digits) } else { quote!(whole) };
                 quote!(node.#reader(#least..=#most).and_then(|number| #of::try_from(number).ok()))
             }
             "String" => {
-                let Some(most) = max_length else {
+                if !bounds.has("max_length") {
                     return Err(syn::Error::new_spanned(of.to_token_stream(), "a text needs max_length"));
-                };
-                let most = count(Some(most));
-                if min_length.is_some() { quote!(node.name(#most)) } else { quote!(node.text(#most)) }
+                }
+                let most = bounds.count("max_length");
+                if bounds.has("min_length") { quote!(node.name(#most)) } else { quote!(node.text(#most)) }
             }
             _ => quote!(<#of as crate::api::decoding::read::Decode>::decode(node)),
         })

@@ -19,6 +19,7 @@
 //! | `#[unread]` | the member may be there, and is not read |
 //! | `#[null]` | answered as null where it is missing |
 //! | `#[from(expression)]` | its value, of the model `of` |
+//! | `#[is(expression)]` | its value, as it is |
 //! | `#[rounded]` | rounded, as computed numbers are |
 
 mod bounds;
@@ -30,23 +31,30 @@ use proc_macro::TokenStream;
 use proc_macro2::TokenStream as Tokens;
 use quote::quote;
 use syn::parse::{Parse, ParseStream};
-use syn::{Data, DeriveInput, Fields, Ident, Path, Token};
+use syn::{Data, DeriveInput, Fields, Ident, Path, Token, Type};
 
 /// Makes a shape that the service sends: a schema, and both ways of JSON. What is `None` is left out. `#[answer(of = Model)]`, or `of = &Model`, also
-/// makes it of the model's type: a field is that of the same name as it is shown, or what `#[from(...)]` says, in which the model is
-/// `of`; `#[rounded]` rounds a number that was computed.
+/// makes it of the model's type: a field is that of the same name as it is shown, or what `#[from(...)]` says is shown, in which the
+/// model is `of`, or what `#[is(...)]` says; `#[rounded]` rounds a number that was computed.
 #[proc_macro_attribute]
 pub fn answer(model: TokenStream, item: TokenStream) -> TokenStream {
-    let model = (!model.is_empty()).then(|| syn::parse::<Model>(model));
+    let arguments = syn::parse::<Arguments>(model);
     expand(item, |shape| {
+        let Arguments { decoded: None, model, sent: None } = arguments? else {
+            return Err(syn::Error::new_spanned(
+                &shape.input.ident,
+                "an answer is made of a model, and not read",
+            ));
+        };
         let json = shape.json(&quote!());
-        let of_model = model.transpose()?.map(|model| shape.made_of(&model));
+        let of_model = model.map(|model| shape.made_of(&model));
         Ok(quote!(#json #of_model))
     })
 }
 
 /// Makes a shape that a client sends in a body: as [`macro@answer`], with a decoder that refuses further fields. `#[body(Model)]` also decodes the model's
-/// type, by `From`; `#[body(checked Model)]` by the method `checked` of the struct, which may refuse what does not fit together. A further
+/// type, by `From`; `#[body(same Model)]` as one whose fields are the same; `#[body(checked Model)]` by the method `checked` of the struct,
+/// which may refuse what does not fit together. A further
 /// `of = Model` makes it of the model's type, as an answer is, and `sent Name` makes the schema `Name`, in which a column may be packed.
 #[proc_macro_attribute]
 pub fn body(model: TokenStream, item: TokenStream) -> TokenStream {
@@ -83,12 +91,14 @@ pub fn params(_: TokenStream, item: TokenStream) -> TokenStream {
 struct Decoded {
     path: Path,
     is_checked: bool,
+    is_same: bool,
 }
 
 impl Parse for Decoded {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let is_checked = input.parse::<Option<kw::checked>>()?.is_some();
-        Ok(Self { path: input.parse()?, is_checked })
+        let is_same = input.parse::<Option<kw::same>>()?.is_some();
+        Ok(Self { path: input.parse()?, is_checked, is_same })
     }
 }
 
@@ -96,7 +106,7 @@ impl Parse for Decoded {
 #[derive(Default)]
 struct Arguments {
     decoded: Option<Decoded>,
-    model: Option<Model>,
+    model: Option<Type>,
     sent: Option<Ident>,
 }
 
@@ -104,7 +114,8 @@ impl Parse for Arguments {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let mut arguments = Self::default();
         while !input.is_empty() {
-            if input.peek(kw::of) {
+            if input.parse::<Option<kw::of>>()?.is_some() {
+                input.parse::<Token![=]>()?;
                 arguments.model = Some(input.parse()?);
             } else if input.parse::<Option<kw::sent>>()?.is_some() {
                 arguments.sent = Some(input.parse()?);
@@ -117,24 +128,10 @@ impl Parse for Arguments {
     }
 }
 
-/// The type that a shape is made of.
-struct Model {
-    path: Path,
-    is_borrowed: bool,
-}
-
-impl Parse for Model {
-    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
-        input.parse::<kw::of>()?;
-        input.parse::<Token![=]>()?;
-        let is_borrowed = input.parse::<Option<Token![&]>>()?.is_some();
-        Ok(Self { path: input.parse()?, is_borrowed })
-    }
-}
-
 mod kw {
     syn::custom_keyword!(checked);
     syn::custom_keyword!(of);
+    syn::custom_keyword!(same);
     syn::custom_keyword!(sent);
 }
 
@@ -174,11 +171,11 @@ impl Shape {
     }
 
     /// Returns what makes it of the model's type.
-    fn made_of(&self, Model { path, is_borrowed }: &Model) -> Tokens {
+    fn made_of(&self, model: &Type) -> Tokens {
         let name = &self.input.ident;
-        let model = if *is_borrowed { quote!(&#path) } else { quote!(#path) };
+        let is_borrowed = matches!(model, Type::Reference(_));
         let idents = self.fields.iter().map(Field::ident);
-        let values = self.fields.iter().map(|field| field.shown(*is_borrowed));
+        let values = self.fields.iter().map(|field| field.shown(is_borrowed));
         quote! {
             impl From<#model> for #name {
                 fn from(of: #model) -> Self {
@@ -243,10 +240,22 @@ impl Shape {
     }
 
     /// The decoder of the model's type.
-    fn decoder_of(&self, Decoded { path: model, is_checked }: &Decoded) -> Tokens {
+    fn decoder_of(&self, Decoded { path: model, is_checked, is_same }: &Decoded) -> Tokens {
         let name = &self.input.ident;
+        let idents = self.fields.iter().map(Field::ident);
+        let same = is_same.then(|| {
+            quote! {
+                impl From<#name> for #model {
+                    fn from(shape: #name) -> Self {
+                        Self { #(#idents: shape.#idents,)* }
+                    }
+                }
+            }
+        });
         let made = if *is_checked { quote!(shape.checked(node)) } else { quote!(Some(shape.into())) };
         quote! {
+            #same
+
             impl crate::api::decoding::read::Decode for #model {
                 fn decode(node: &crate::api::decoding::read::Node<'_>) -> Option<Self> {
                     let shape = <#name as crate::api::decoding::read::Decode>::decode(node)?;

@@ -10,7 +10,6 @@ use super::keyframe::RangeName;
 use super::limits;
 use super::names::{AnchorStateName, TextKindName};
 use super::prior::{PlanPositionView, PriorView};
-use super::shown::Shown;
 use super::space::rounded;
 use crate::domain::ids::SessionId;
 use crate::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
@@ -25,7 +24,7 @@ pub struct AnchorView {
     #[from(of.name)]
     pub id: String,
     /// The map's version; left out inside a list, which says it once.
-    #[from(None::<u64>)]
+    #[is(None)]
     pub map_version: Option<u64>,
     /// Its class.
     pub class: String,
@@ -59,7 +58,7 @@ pub struct AnchorView {
     #[from(of.frames.first().map(|(_, bounds, _)| *bounds))]
     pub bounds: Option<BoxView>,
     /// The box's centre, `[x,y,z]` in metres, in the same frame.
-    #[from(of.frames.first().map(|(_, bounds, _)| place(&bounds.centre())))]
+    #[is(of.frames.first().map(|(_, bounds, _)| place(&bounds.centre())))]
     pub center: Option<[f64; 3]>,
     /// Its box in the frame of each session that saw it, oldest session first.
     pub frames: Vec<AnchorFrameView>,
@@ -100,27 +99,33 @@ pub struct ReadingView {
 }
 
 /// An axis-aligned box, in metres; it may be flat.
-#[answer]
+#[answer(of = Aabb)]
 #[schema(as = Box)]
 pub struct BoxView {
     /// The corner with the smallest `[x,y,z]`.
+    #[is(place(&of.min()))]
     pub min: [f64; 3],
     /// The corner with the largest `[x,y,z]`.
+    #[is(place(&of.max()))]
     pub max: [f64; 3],
 }
 
 /// An anchor's place in one session's frame.
-#[answer]
+#[answer(of = (SessionId, Aabb, bool))]
 #[schema(as = AnchorFrame)]
 pub struct AnchorFrameView {
     /// The session whose frame it is.
+    #[from(of.0)]
     pub session: String,
     /// The anchor's box in that frame.
     #[serde(rename = "box")]
+    #[from(of.1)]
     pub bounds: BoxView,
     /// The box's centre, `[x,y,z]` in metres.
+    #[is(place(&of.1.centre()))]
     pub center: [f64; 3],
     /// `assumed` where the distance of a sight that it is placed by was a guess; else left out.
+    #[is(of.2.then_some(RangeName::Assumed))]
     pub range: Option<RangeName>,
 }
 
@@ -137,7 +142,7 @@ pub struct AnchorMatchView {
     /// The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
     pub source: String,
     /// Whether the two were seen apart, so that the robot has come back.
-    #[from(of.revisit)]
+    #[is(if of.revisit { MatchKind::Revisit } else { MatchKind::Covisible })]
     pub kind: MatchKind,
     /// One sentence for a person.
     pub reason: String,
@@ -159,13 +164,6 @@ pub struct AnchorPatchBody {
     /// The description that stands from now on, whatever is read; null takes an earlier one back.
     #[schema(required, max_length = 4096)]
     #[null]
-    pub description: Option<String>,
-}
-
-/// Changes of an anchor by an operator.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AnchorPatch {
-    /// The new description; `None` lets the readings describe it again.
     pub description: Option<String>,
 }
 
@@ -207,7 +205,7 @@ pub struct LocalAnchorView {
     pub weight: f64,
 }
 
-impl Decode for AnchorPatch {
+impl Decode for AnchorPatchBody {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["description"])?;
         body.required("description", |node| {
@@ -223,29 +221,6 @@ impl AnchorView {
     /// Returns an anchor as an answer of its own, at a version of its map.
     pub fn at(map_version: u64, anchor: AnchorReport) -> Self {
         Self { map_version: Some(map_version), ..anchor.into() }
-    }
-}
-
-impl Shown<Aabb> for BoxView {
-    fn shown(aabb: Aabb) -> Self {
-        Self { min: place(&aabb.min()), max: place(&aabb.max()) }
-    }
-}
-
-impl Shown<(SessionId, Aabb, bool)> for AnchorFrameView {
-    fn shown((session, aabb, range_assumed): (SessionId, Aabb, bool)) -> Self {
-        Self {
-            session: session.to_string(),
-            bounds: BoxView::shown(aabb),
-            center: place(&aabb.centre()),
-            range: range_assumed.then_some(RangeName::Assumed),
-        }
-    }
-}
-
-impl Shown<bool> for MatchKind {
-    fn shown(is_revisit: bool) -> Self {
-        if is_revisit { Self::Revisit } else { Self::Covisible }
     }
 }
 

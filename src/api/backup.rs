@@ -8,7 +8,7 @@ use crate::domain::report::BackupReport;
 use crate::domain::request::NewBackup;
 
 /// A backup to be taken.
-#[body(NewBackup)]
+#[body(same NewBackup)]
 #[derive(Default)]
 pub struct BackupBody {
     /// Its id; the server finds one if it is left out.
@@ -37,14 +37,8 @@ pub struct BackupView {
     /// Anchors in it, merged ones too.
     pub anchors: u64,
     /// Older backups that were removed to make room for it; in the answer to the request that took it only.
-    #[from(None::<Vec<String>>)]
+    #[is(None)]
     pub removed: Option<Vec<String>>,
-}
-
-impl From<BackupBody> for NewBackup {
-    fn from(BackupBody { id }: BackupBody) -> Self {
-        Self { id }
-    }
 }
 
 impl BackupView {

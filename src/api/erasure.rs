@@ -23,10 +23,11 @@ pub struct ErasureBody {
 }
 
 /// An erasure, as far as it has come.
-#[answer]
+#[answer(of = Erasure)]
 #[schema(as = Erasure)]
 pub struct ErasureView {
     /// Its id.
+    #[is(format!("e-{}", of.number))]
     pub id: String,
     /// Its state. It goes on after a restart, until it is `done`.
     pub state: ErasureStateName,
@@ -39,6 +40,7 @@ pub struct ErasureView {
     /// When it was done; left out before that.
     pub ended: Option<Time>,
     /// The backups in the server's folder that were taken before it was done, and still hold what it erased.
+    #[is(Vec::new())]
     pub older_backups: Vec<String>,
 }
 
@@ -54,16 +56,7 @@ impl ErasureBody {
 
 impl ErasureView {
     /// Returns an erasure, with the backups that are older.
-    pub fn of(erasure: Erasure, older_backups: Vec<BackupId>) -> Self {
-        let Erasure { number, state, keyframes, releases, begun, ended } = erasure;
-        Self {
-            id: format!("e-{number}"),
-            state: state.into(),
-            keyframes,
-            releases,
-            begun: begun.into(),
-            ended: ended.map(Time::from),
-            older_backups: older_backups.into_iter().map(|id| id.to_string()).collect(),
-        }
+    pub fn of(erasure: Erasure, older_backups: &[BackupId]) -> Self {
+        Self { older_backups: older_backups.iter().map(ToString::to_string).collect(), ..erasure.into() }
     }
 }

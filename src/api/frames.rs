@@ -2,11 +2,9 @@
 
 use revisit_shapes::answer;
 
-use super::shown::Shown;
-use super::space::{Transform, rounded};
+use super::space::Transform;
 use crate::domain::fleet_frames::Suspect;
 use crate::domain::report::{FrameReport, FramesReport};
-use crate::geometry::Pose;
 
 /// One frame for all sessions of a map.
 #[answer(of = FramesReport)]
@@ -27,15 +25,18 @@ pub struct FramesView {
 }
 
 /// A session in the frame of the reference.
-#[answer]
+#[answer(of = FrameReport)]
 #[schema(as = Frame)]
 pub struct FrameView {
     /// The session.
     pub session: String,
     /// Maps points of its frame into that of the reference; left out if no loop and no plan joins the two.
+    #[is(of.reference_from_session.as_ref().map(Transform::computed))]
     pub reference_from_session: Option<Transform>,
     /// Root mean square of what its loops are off from the frames, in metres; left out without any. Frames are rigid, so that drift
     /// within a session shows here.
+    #[from(of.residual_m)]
+    #[rounded]
     pub residual: Option<f64>,
     /// Number of its loops with other sessions that count.
     pub loops: usize,
@@ -59,18 +60,4 @@ pub struct SuspectView {
     #[from(of.off_rad)]
     #[rounded]
     pub residual_rad: f64,
-}
-
-impl Shown<FrameReport> for FrameView {
-    fn shown(frame: FrameReport) -> Self {
-        let shown = |pose: Pose| {
-            Pose::from_stored(pose.translation_m().map(rounded), pose.rotation_xyzw().map(rounded)).into()
-        };
-        Self {
-            session: frame.session.to_string(),
-            reference_from_session: frame.reference_from_session.map(shown),
-            residual: frame.residual_m.map(rounded),
-            loops: frame.loops,
-        }
-    }
 }

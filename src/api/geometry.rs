@@ -1,6 +1,8 @@
 //! Geometry: the figures of the last check, and the transformation that a client closes the loop with.
 
 use revisit_shapes::answer;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::{Error as Unnamed, StrDeserializer};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -10,7 +12,7 @@ use crate::domain::verdict::{GeometryEvidence, GeometryFigures};
 use crate::geometry::Sim3;
 
 /// The result of geometric verification.
-#[answer]
+#[answer(of = &GeometryEvidence)]
 #[schema(as = Geometry)]
 pub struct GeometryView {
     /// Its outcome.
@@ -19,26 +21,36 @@ pub struct GeometryView {
     pub reason: Option<String>,
     /// The model that was looked for. Where too few points are triangulated the images alone are compared, by the simplest model that
     /// explains nearly as much as the others.
+    #[is(figures(of, |of| GeometryModel::from_name(of.model)))]
     pub model: Option<GeometryModel>,
     /// Descriptor matches; for `sim3` and `se3` between features with triangulated map points on both sides.
+    #[is(figures(of, |of| Some(of.matches)))]
     pub matches: Option<u32>,
     /// Samples that RANSAC drew.
+    #[is(figures(of, |of| Some(of.hypotheses)))]
     pub hypotheses: Option<u32>,
     /// Matches that the final transformation explains, after the guided search.
+    #[is(figures(of, |of| Some(of.inliers)))]
     pub inliers: Option<u32>,
     /// The decimal logarithm of the number of false alarms: how often matches placed at random in the images would give a
     /// model with as many inliers. At most -6 is significant.
+    #[from(figures(of, |of| of.log10_false_alarms))]
+    #[rounded]
     pub log10_false_alarms: Option<f64>,
     /// The inliers' mean reprojection error in both images, in pixels.
+    #[from(figures(of, |of| of.mean_reprojection_error_px))]
+    #[rounded]
     pub mean_reprojection_error_px: Option<f64>,
     /// Maps points of the query's camera frame into the candidate's camera frame. For `essential` and `homography` the
     /// translation's length is not known and given as 1; for `rotation` nothing of the translation is known, and it is given
     /// as 0. A homography that leaves two motions has none.
+    #[from(figures(of, |of| of.candidate_from_query))]
     pub candidate_from_query: Option<Similarity>,
     /// The covariance of `candidate_from_query` where `sim3` or `se3` is verified, row by row: x, y, z in metres and the
     /// rotation about X, Y, Z in radians, in the candidate's camera frame, as ROS writes it. It says how the inliers
     /// scatter; drift that all of them share does not show in it.
     #[schema(min_items = 36, max_items = 36)]
+    #[is(figures(of, |of| of.covariance).map(Into::into))]
     pub covariance: Option<Vec<f64>>,
 }
 
@@ -71,58 +83,28 @@ impl GeometryModel {
     }
 
     fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "sim3" => Self::Sim3,
-            "se3" => Self::Se3,
-            "essential" => Self::Essential,
-            "homography" => Self::Homography,
-            "rotation" => Self::Rotation,
-            _ => return None,
-        })
+        let name: StrDeserializer<'_, Unnamed> = name.into_deserializer();
+        Self::deserialize(name).ok()
     }
 }
 
 /// A similarity transformation: scale, then rotate, then translate.
-#[answer]
+#[answer(of = Sim3)]
 #[derive(Copy)]
 pub struct Similarity {
     /// Without unit; 1 on metric maps.
+    #[from(of.scale())]
+    #[rounded]
     pub scale: f64,
     /// In metres.
+    #[from(of.translation_m().map(rounded))]
     pub translation: Vector3,
     /// A unit quaternion.
+    #[from(of.rotation_xyzw().map(rounded))]
     pub rotation: Quaternion,
 }
 
-impl From<&GeometryEvidence> for GeometryView {
-    fn from(geometry: &GeometryEvidence) -> Self {
-        let figures = geometry.figures.as_ref();
-        let number = |of: fn(&GeometryFigures) -> u32| figures.map(of);
-        Self {
-            status: geometry.status.into(),
-            reason: geometry.reason.clone(),
-            model: figures.and_then(|figures| GeometryModel::from_name(figures.model)),
-            matches: number(|figures| figures.matches),
-            hypotheses: number(|figures| figures.hypotheses),
-            inliers: number(|figures| figures.inliers),
-            log10_false_alarms: figures.and_then(|f| f.log10_false_alarms).map(rounded),
-            mean_reprojection_error_px: figures.and_then(|f| f.mean_reprojection_error_px).map(rounded),
-            candidate_from_query: figures
-                .and_then(|figures| figures.candidate_from_query)
-                .map(Similarity::from),
-            covariance: figures.and_then(|figures| figures.covariance).map(|of| of.to_vec()),
-        }
-    }
-}
-
-impl From<Sim3> for Similarity {
-    fn from(transform: Sim3) -> Self {
-        let [x, y, z] = transform.translation_m().map(rounded);
-        let [qx, qy, qz, qw] = transform.rotation_xyzw().map(rounded);
-        Self {
-            scale: rounded(transform.scale()),
-            translation: Vector3 { x, y, z },
-            rotation: Quaternion { x: qx, y: qy, z: qz, w: qw },
-        }
-    }
+/// Returns one of the figures of a geometry that ran.
+fn figures<T>(of: &GeometryEvidence, figure: fn(&GeometryFigures) -> Option<T>) -> Option<T> {
+    of.figures.as_ref().and_then(figure)
 }

@@ -42,39 +42,48 @@ pub enum StateName {
 }
 
 /// A job that asks again, as it stands.
-#[answer]
+#[answer(of = JudgementReport)]
 #[schema(as = Judgement)]
 pub struct JudgementView {
     /// Its id; left out of a preview.
+    #[from(&of.id)]
     pub id: Option<String>,
     /// The map's version.
     pub map_version: u64,
     /// Its state.
+    #[is(state(&of))]
     pub state: StateName,
     /// The verdicts that it asks for again.
     pub asks: AsksName,
     /// Questions that other models or prompts answered than those configured now, as counted when the job began.
     pub questions: u64,
     /// The most calls of models that they may take; answers that are kept take none.
+    #[from(of.estimate.calls)]
     pub calls_max: u64,
     /// The most that these calls may cost, in US dollars.
+    #[is(of.estimate.microusd as f64 / MICROUSD)]
     pub cost_max_usd: f64,
     /// Questions answered otherwise than before.
+    #[from(of.tally.changed)]
     pub changed: u64,
     /// Questions answered as before.
+    #[from(of.tally.unchanged)]
     pub unchanged: u64,
     /// Questions about something that the map no longer holds.
+    #[from(of.tally.gone)]
     pub gone: u64,
     /// Questions that the model did not answer, though it answered others; their verdicts stand.
+    #[from(of.tally.failed)]
     pub failed: u64,
     /// Questions that are left.
+    #[is(left(&of))]
     pub left: u64,
     /// Verdicts that were replaced by others since the job began, the newest first, at most 100 of them.
     pub replaced: Vec<ReplacedView>,
 }
 
 /// A verdict that was replaced, beside the one that stands now.
-#[answer]
+#[answer(of = Replaced)]
 #[schema(as = ReplacedVerdict)]
 pub struct ReplacedView {
     /// The version of the map that replaced it: earlier answers rest on the verdict before.
@@ -86,16 +95,22 @@ pub struct ReplacedView {
     /// The texts that were judged, in normal form; none of a crop.
     pub texts: Vec<String>,
     /// The keyframe of a crop.
+    #[from(of.crop.as_ref().map(|(keyframe, _)| keyframe))]
     pub keyframe: Option<String>,
     /// The detection of a crop.
+    #[is(of.crop.map(|(_, detection)| detection))]
     pub detection: Option<u16>,
     /// The level or the text that was replaced.
+    #[from(of.before.0)]
     pub before: String,
     /// Its source.
+    #[from(of.before.1)]
     pub source_before: String,
     /// The level or the text that stands now.
+    #[from(of.after.0)]
     pub after: String,
     /// Its source.
+    #[from(of.after.1)]
     pub source_after: String,
 }
 
@@ -105,52 +120,17 @@ impl From<JudgementBody> for NewJudgement {
     }
 }
 
-impl From<JudgementReport> for JudgementView {
-    fn from(report: JudgementReport) -> Self {
-        let state = match report.state {
-            None => StateName::Preview,
-            Some(JobState::Running) if report.waits => StateName::Waiting,
-            Some(JobState::Running) => StateName::Running,
-            Some(JobState::Done) => StateName::Done,
-            Some(JobState::Stopped) => StateName::Stopped,
-        };
-        let left = match state {
-            StateName::Done => 0,
-            _ => report.questions.saturating_sub(report.tally.settled()),
-        };
-        Self {
-            id: report.id.map(|id| id.to_string()),
-            map_version: report.map_version,
-            state,
-            asks: report.asks.into(),
-            questions: report.questions,
-            calls_max: report.estimate.calls,
-            cost_max_usd: report.estimate.microusd as f64 / MICROUSD,
-            changed: report.tally.changed,
-            unchanged: report.tally.unchanged,
-            gone: report.tally.gone,
-            failed: report.tally.failed,
-            left,
-            replaced: report.replaced.into_iter().map(ReplacedView::from).collect(),
-        }
+fn state(report: &JudgementReport) -> StateName {
+    match report.state {
+        None => StateName::Preview,
+        Some(JobState::Running) if report.waits => StateName::Waiting,
+        Some(JobState::Running) => StateName::Running,
+        Some(JobState::Done) => StateName::Done,
+        Some(JobState::Stopped) => StateName::Stopped,
     }
 }
 
-impl From<Replaced> for ReplacedView {
-    fn from(replaced: Replaced) -> Self {
-        let (keyframe, detection) = replaced.crop.unzip();
-        let ((before, source_before), (after, source_after)) = (replaced.before, replaced.after);
-        Self {
-            map_version: replaced.map_version,
-            operation: replaced.operation,
-            class: replaced.class,
-            texts: replaced.texts,
-            keyframe,
-            detection,
-            before,
-            source_before,
-            after,
-            source_after,
-        }
-    }
+fn left(report: &JudgementReport) -> u64 {
+    let is_done = report.state == Some(JobState::Done);
+    if is_done { 0 } else { report.questions.saturating_sub(report.tally.settled()) }
 }

@@ -1,17 +1,16 @@
 //! Key: an API key as it is made, and as it is read back without its secret.
 
 use revisit_shapes::{answer, body};
-use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::decoding::read::{Decode, Node};
 use super::names::ActionName;
 use super::space::Time;
-use crate::domain::key::{Action, Key, KeyProperties, MadeKey, MapPattern, PatternError};
+use crate::domain::key::{Key, KeyProperties, MadeKey, MapPattern, PatternError};
 use crate::domain::keyframe::Stamp;
 
 /// The notice in the answer to a server's first key.
-const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \
+pub(super) const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \
     `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
 
 /// A key to be made.
@@ -93,13 +92,13 @@ pub struct KeyView {
     #[from(of.properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6))]
     pub model_daily_usd: Option<f64>,
     /// When the server that answers was last asked with it; left out if it was not since that server started.
-    #[from(None::<Stamp>)]
+    #[is(None)]
     pub last_used: Option<Time>,
     /// The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and kept nowhere.
-    #[from(None::<String>)]
+    #[is(None)]
     pub secret: Option<String>,
     /// The consequences, if this is the server's first key.
-    #[from(None::<String>)]
+    #[is(None)]
     pub notice: Option<String>,
 }
 
@@ -140,44 +139,4 @@ impl From<MadeKey> for KeyView {
         let notice = made.is_first.then(|| FIRST_KEY_NOTICE.to_owned());
         Self { secret: Some(made.secret), notice, ..made.key.into() }
     }
-}
-
-/// Returns a key to be made, for the API document: the administrator's, because a server's first key must be one.
-pub fn example_body() -> Value {
-    json!({"name": "administrator", "actions": Action::NAMES})
-}
-
-fn administrator() -> Value {
-    let mut key = example_body();
-    key["id"] = json!("key-1");
-    key["maps"] = json!(["*"]);
-    key["created"] = json!({"sec": 1_795_000_000, "nanosec": 0});
-    key
-}
-
-/// Returns a key of robots, for the API document.
-pub fn example_robots() -> Value {
-    json!({
-        "id": "key-2",
-        "name": "cleaning robots, tower",
-        "actions": ["read", "write", "query"],
-        "maps": ["tower", "tower-*"],
-        "created": {"sec": 1_795_000_000, "nanosec": 0},
-        "expires": {"sec": 1_893_456_000, "nanosec": 0},
-        "rate_per_s": 200,
-        "model_daily_usd": 1.5
-    })
-}
-
-/// Returns a key that was just made, for the API document.
-pub fn example_made() -> Value {
-    let mut key = administrator();
-    key["secret"] = json!("revisit_0123456789abcdefghijklmnopqrstuvwxyzABCDEFG");
-    key["notice"] = json!(FIRST_KEY_NOTICE);
-    key
-}
-
-/// Keys, for the API document.
-pub fn example_list() -> Value {
-    json!({"items": [administrator(), example_robots()], "next_cursor": null})
 }

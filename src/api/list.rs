@@ -1,8 +1,6 @@
 //! List: one part of something long, and where the next part starts.
 
 use revisit_shapes::answer;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 use super::anchor::AnchorView;
 use super::backup::BackupView;
@@ -16,61 +14,16 @@ use super::session::SessionView;
 use crate::domain::report::Page;
 
 // One struct for each list and no generic one: generators name a schema after its type, and `List_AnchorView` is no name.
-macro_rules! list {
-    ($(#[$doc:meta])* $name:ident of $item:ident) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-        pub struct $name {
-            /// The map's version.
-            pub map_version: u64,
-            /// The items of this part.
-            pub items: Vec<$item>,
-            /// The cursor of the next part; null after the last one.
-            #[schema(required)]
-            pub next_cursor: Option<String>,
-        }
-
-        impl $name {
-            /// One part of the list, at a version of the map.
-            pub fn of<T: Into<$item>>(map_version: u64, page: Page<T>) -> Self {
-                let items = page.items.into_iter().map(Into::into).collect();
-                Self { map_version, items, next_cursor: page.next_cursor }
-            }
-        }
-    };
-}
-
-list!(
-    /// Keyframes, in order of arrival.
-    KeyframeList of KeyframeLine
-);
-list!(
-    /// Anchors, oldest first.
-    AnchorList of AnchorView
-);
-list!(
-    /// Sessions, in order of appearance.
-    SessionList of SessionView
-);
-list!(
-    /// Confirmed loops, oldest first.
-    LoopList of LoopView
-);
-list!(
-    /// Covisible keyframes; this list comes in one part.
-    CovisibleList of CovisibleView
-);
-
-// Maps, keys and backups have no version of a map beside them.
-macro_rules! plain_list {
-    ($(#[$doc:meta])* $name:ident of $item:ident) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+macro_rules! lists {
+    ($($(#[doc = $doc:literal])+ $name:ident of $item:ident;)+) => {$(
+        $(#[doc = $doc])+
+        #[answer]
         pub struct $name {
             /// The items of this part.
             pub items: Vec<$item>,
             /// The cursor of the next part; null after the last one.
             #[schema(required)]
+            #[null]
             pub next_cursor: Option<String>,
         }
 
@@ -79,13 +32,58 @@ macro_rules! plain_list {
                 Self { items: page.items.into_iter().map(Into::into).collect(), next_cursor: page.next_cursor }
             }
         }
-    };
+    )+};
 }
 
-plain_list!(
+/// Lists at a version of the map.
+macro_rules! lists_at {
+    ($($(#[doc = $doc:literal])+ $name:ident of $item:ident;)+) => {$(
+        $(#[doc = $doc])+
+        #[answer]
+        pub struct $name {
+            /// The map's version.
+            pub map_version: u64,
+            /// The items of this part.
+            pub items: Vec<$item>,
+            /// The cursor of the next part; null after the last one.
+            #[schema(required)]
+            #[null]
+            pub next_cursor: Option<String>,
+        }
+
+        impl<T: Into<$item>> From<(u64, Page<T>)> for $name {
+            fn from((map_version, page): (u64, Page<T>)) -> Self {
+                let items = page.items.into_iter().map(Into::into).collect();
+                Self { map_version, items, next_cursor: page.next_cursor }
+            }
+        }
+    )+};
+}
+
+lists_at! {
+    /// Keyframes, in order of arrival.
+    KeyframeList of KeyframeLine;
+    /// Anchors, oldest first.
+    AnchorList of AnchorView;
+    /// Sessions, in order of appearance.
+    SessionList of SessionView;
+    /// Confirmed loops, oldest first.
+    LoopList of LoopView;
+    /// Covisible keyframes; this list comes in one part.
+    CovisibleList of CovisibleView;
+}
+
+lists! {
     /// Verdicts, the newest first.
-    VerdictList of ListedVerdictView
-);
+    VerdictList of ListedVerdictView;
+    /// Releases of a map, by name.
+    ReleaseList of ReleaseView;
+    /// Keys, in order of creation, revoked ones among them.
+    KeyList of KeyView;
+    /// Backups, the newest first.
+    BackupList of BackupView;
+}
+
 /// Maps, by id.
 #[answer]
 pub struct MapList {
@@ -106,16 +104,3 @@ impl MapList {
         Self { items, next_cursor: page.next_cursor, covered }
     }
 }
-
-plain_list!(
-    /// Releases of a map, by name.
-    ReleaseList of ReleaseView
-);
-plain_list!(
-    /// Keys, in order of creation, revoked ones among them.
-    KeyList of KeyView
-);
-plain_list!(
-    /// Backups, the newest first.
-    BackupList of BackupView
-);

@@ -46,7 +46,7 @@ pub struct MapBody {
 }
 
 /// The map that a new one begins as.
-#[body(MapBase)]
+#[body(same MapBase)]
 #[schema(as = MapBase)]
 pub struct MapBaseShape {
     /// The map.
@@ -58,7 +58,7 @@ pub struct MapBaseShape {
 }
 
 /// Changes of a map; a field that is left out stays as it is.
-#[answer]
+#[answer(of = MapPatch)]
 #[derive(Default)]
 #[serde(deny_unknown_fields)]
 pub struct MapPatchBody {
@@ -78,6 +78,7 @@ pub struct MapPatchBody {
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub code_classes: Option<Vec<String>>,
     /// The settings to be set; the others stay as they are.
+    #[is((!of.settings.is_empty()).then(|| of.settings.into()))]
     pub settings: Option<MapSettings>,
 }
 
@@ -111,7 +112,7 @@ pub struct MapView {
     #[from(of.properties.code_classes)]
     pub code_classes: Vec<String>,
     /// Every setting in force; with `?detail=brief` those that differ from their defaults.
-    #[from(MapSettings::from(&of.properties.settings))]
+    #[is(MapSettings::from(&of.properties.settings))]
     pub settings: MapSettings,
     /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
     pub vocabulary: Option<String>,
@@ -129,7 +130,7 @@ pub struct MapView {
     /// By class, how the building writes its numbers, as learned from ten values or more: `#` stands for the first run of
     /// digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns that were given stand in `settings`.
     #[schema(value_type = BTreeMap<String, Vec<String>>)]
-    #[from((*of.learned.numbering).clone())]
+    #[is((*of.learned.numbering).clone())]
     pub numbering: BTreeMap<Box<str>, Vec<String>>,
     /// The views that this map has in two places; around the two, different signs hang. Looked
     /// for where `without_anchors` is `geometry`.
@@ -171,12 +172,6 @@ impl Decode for NewMap {
     }
 }
 
-impl From<MapBaseShape> for MapBase {
-    fn from(MapBaseShape { map, release }: MapBaseShape) -> Self {
-        Self { map, release }
-    }
-}
-
 impl Decode for MapPatch {
     fn decode(node: &Node<'_>) -> Option<Self> {
         patch(&node.object(&FIELDS)?)
@@ -198,20 +193,6 @@ fn patch(map: &Object<'_>) -> Option<MapPatch> {
         gravity: gravity?,
         settings: settings?.unwrap_or_default().0,
     })
-}
-
-impl From<MapPatch> for MapPatchBody {
-    fn from(patch: MapPatch) -> Self {
-        let MapPatch { description, anchor_classes, code_classes, metric, gravity, settings } = patch;
-        Self {
-            description,
-            metric,
-            gravity,
-            anchor_classes,
-            code_classes,
-            settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),
-        }
-    }
 }
 
 /// Returns a set: neither the order nor a class named twice makes another map.

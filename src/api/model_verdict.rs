@@ -13,6 +13,7 @@ use crate::semantics::Text;
 
 /// A verdict of a model: a level or a merged text of texts of one class, or a description of a detection's crop.
 #[answer]
+#[derive(Default)]
 #[serde(deny_unknown_fields)]
 #[schema(as = ModelVerdict)]
 pub struct ModelVerdictBody {
@@ -51,7 +52,7 @@ pub struct ModelVerdictBody {
 }
 
 /// The functions of §IV-A.2 (`similarity`, `information`, `merge`), and `describe`, the description of a crop (§IV-B).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ModelOperation)]
 #[expect(missing_docs, reason = "said above")]
@@ -59,6 +60,7 @@ pub enum ModelOperationName {
     Similarity,
     Information,
     Merge,
+    #[default]
     Describe,
 }
 
@@ -72,8 +74,7 @@ pub struct ModelVerdictAnswer {
     pub applied: bool,
 }
 
-const NAMES: [&str; 4] = ["similarity", "information", "merge", "describe"];
-const FIELDS: [&str; 10] = [
+const FIELDS: [&str; 11] = [
     "operation",
     "class",
     "texts",
@@ -84,23 +85,24 @@ const FIELDS: [&str; 10] = [
     "described",
     "degraded",
     "reason",
+    "source",
 ];
 
-fn operation(name: &str) -> Option<ModelOperationName> {
-    Some(match name {
-        "similarity" => ModelOperationName::Similarity,
-        "information" => ModelOperationName::Information,
-        "merge" => ModelOperationName::Merge,
-        "describe" => ModelOperationName::Describe,
-        _ => return None,
-    })
+impl Decode for ModelOperationName {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        node.one_of([
+            ("similarity", Self::Similarity),
+            ("information", Self::Information),
+            ("merge", Self::Merge),
+            ("describe", Self::Describe),
+        ])
+    }
 }
 
 impl Decode for NewVerdict {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let fields: Vec<&str> = FIELDS.into_iter().chain(["source"]).collect();
-        let body = node.object(&fields)?;
-        let operation = body.required("operation", |node| node.choice(&NAMES, operation));
+        let body = node.object(&FIELDS)?;
+        let operation = body.required("operation", ModelOperationName::decode);
         let source = body.required("source", |node| node.name(limits::SOURCE_CHARS));
         let reason = body.optional("reason", |node| node.text(limits::TEXT_CHARS));
         match operation? {
@@ -183,12 +185,9 @@ impl From<ModelVerdict> for ModelVerdictBody {
             texts: Some([a].into_iter().chain(b).map(Into::into).collect()),
             level,
             text,
-            keyframe: None,
-            detection: None,
-            described: None,
-            degraded: None,
             source: source.to_string(),
             reason: Some(reason.into()).filter(|reason: &String| !reason.is_empty()),
+            ..Self::default()
         }
     }
 }
@@ -197,16 +196,13 @@ impl From<(NamedDetection, CropReading)> for ModelVerdictBody {
     fn from((detection, reading): (NamedDetection, CropReading)) -> Self {
         Self {
             operation: ModelOperationName::Describe,
-            class: None,
-            texts: None,
-            level: None,
             text: Some(reading.text.into()),
             keyframe: Some(detection.keyframe.to_string()),
             detection: Some(detection.number),
             described: (!reading.described).then_some(false),
             degraded: reading.degraded.then_some(true),
             source: reading.source.to_string(),
-            reason: None,
+            ..Self::default()
         }
     }
 }

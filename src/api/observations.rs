@@ -10,28 +10,33 @@ use super::decoding::column::{Column, Number, Packed};
 use super::decoding::read::{Decode, Members as _, Node};
 use super::keyframe::{CovisibleShape, ascending, covisible, filled, named_once, others_than};
 use super::limits;
+use super::shown::Shown;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::request::{self, ChangedObservations};
 
 /// Changes that a robot's map made to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
-#[body(ChangedObservations)]
+#[body(ChangedObservations, of = ChangedObservations)]
 pub struct ObservationsBody {
     /// The session.
     #[schema(default = "default")]
     #[id]
+    #[from(Some(of.session))]
     pub session: Option<SessionId>,
     /// Fused map points, `[old, new]` each: who observed the old one observes the new one from now on. The new one keeps its
     /// position, or takes the old one's. No point is fused twice; `[1,2]` and `[2,3]` make both of them 3.
     #[schema(max_items = 10_000, inline)]
     #[read(fused)]
+    #[from(filled(of.replaced))]
     pub replaced: Option<Vec<FusedPoints>>,
     /// Culled map points: nobody observes them any more.
     #[schema(max_items = 10_000, minimum = 0)]
     #[read(|node| culled(node, replaced.as_ref()))]
+    #[from(filled(of.removed))]
     pub removed: Option<Vec<i64>>,
     /// Keyframes of the session of which there is more to say, none twice.
     #[schema(max_items = 1_000, value_type = Option<Vec<ChangedKeyframe>>)]
     #[read(|node| changed_keyframes(node, replaced.as_ref(), removed.as_ref()))]
+    #[from(filled(of.keyframes))]
     pub keyframes: Option<Vec<ChangedKeyframeShape>>,
 }
 
@@ -42,7 +47,7 @@ pub struct ObservationsBody {
 pub struct FusedPoints(pub [PointId; 2]);
 
 /// The map points and covisible keyframes of a keyframe, as the robot's map has them now.
-#[body(sent ChangedKeyframe)]
+#[body(sent ChangedKeyframe, of = request::ChangedKeyframe)]
 #[schema(as = ChangedKeyframeLists)]
 pub struct ChangedKeyframeShape {
     /// The keyframe.
@@ -56,6 +61,7 @@ pub struct ChangedKeyframeShape {
     /// Covisible keyframes besides those declared before, or with another number of shared points; each must exist.
     #[schema(max_items = 10_000)]
     #[read(|node| others(node, keyframe.as_ref()))]
+    #[from(filled(of.covisible))]
     pub covisible: Option<Vec<CovisibleShape>>,
 }
 
@@ -71,6 +77,12 @@ pub struct ObservationsAnswer {
     pub map_points: usize,
     /// Number of anchors that turned out to be one with another.
     pub anchors_merged: usize,
+}
+
+impl Shown<(PointId, PointId)> for FusedPoints {
+    fn shown((old, new): (PointId, PointId)) -> Self {
+        Self([old, new])
+    }
 }
 
 impl Decode for FusedPoints {
@@ -183,23 +195,5 @@ impl Ends {
         }
         self.after.extend(way.into_iter().map(|passed| (passed, end)));
         end
-    }
-}
-
-impl From<ChangedObservations> for ObservationsBody {
-    fn from(changed: ChangedObservations) -> Self {
-        let keyframe = |of: request::ChangedKeyframe| ChangedKeyframeShape {
-            keyframe: of.keyframe,
-            observes: of.observes,
-            covisible: filled(of.covisible.into_iter().map(CovisibleShape::from).collect()),
-        };
-        Self {
-            session: Some(changed.session),
-            replaced: filled(
-                changed.replaced.into_iter().map(|(old, new)| FusedPoints([old, new])).collect(),
-            ),
-            removed: filled(changed.removed),
-            keyframes: filled(changed.keyframes.into_iter().map(keyframe).collect()),
-        }
     }
 }

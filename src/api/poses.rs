@@ -3,22 +3,27 @@
 use revisit_shapes::{answer, body};
 
 use super::decoding::read::Node;
-use super::keyframe::{PointsShape, SentMapPoints};
+use super::keyframe::{PointsShape, SentMapPoints, filled};
+use super::shown::Shown;
 use super::space::Transform;
 use crate::domain::ids::{KeyframeId, SessionId};
 use crate::domain::request::PoseCorrection;
+use crate::geometry::Pose;
 
 /// Corrected poses and map points of one session; all of it is taken over, or nothing.
-#[body(checked PoseCorrection)]
+#[body(checked PoseCorrection, of = PoseCorrection)]
 pub struct PosesBody {
     /// The session.
     #[schema(default = "default")]
     #[id]
+    #[from(Some(of.session))]
     pub session: Option<SessionId>,
     /// Its keyframes with their corrected poses.
+    #[from(filled(of.keyframes))]
     pub keyframes: Option<PoseList>,
     /// Its map points at their corrected positions.
     #[schema(value_type = Option<SentMapPoints>)]
+    #[from(filled(of.map_points))]
     pub map_points: Option<PointsShape>,
 }
 
@@ -61,16 +66,9 @@ impl PosesBody {
     }
 }
 
-impl From<PoseCorrection> for PosesBody {
-    fn from(correction: PoseCorrection) -> Self {
-        let PoseCorrection { session, keyframes, map_points } = correction;
-        let keyframes = keyframes.into_iter().map(|(id, pose)| (id, Transform::from(pose)));
-        let (ids, poses) = keyframes.unzip();
-        let keyframes = PoseList { ids, poses };
-        Self {
-            session: Some(session),
-            keyframes: (!keyframes.ids.is_empty()).then_some(keyframes),
-            map_points: (!map_points.is_empty()).then(|| map_points.into()),
-        }
+impl Shown<Vec<(KeyframeId, Pose)>> for PoseList {
+    fn shown(keyframes: Vec<(KeyframeId, Pose)>) -> Self {
+        let (ids, poses) = keyframes.into_iter().map(|(id, pose)| (id, Transform::from(pose))).unzip();
+        Self { ids, poses }
     }
 }

@@ -4,14 +4,13 @@ use revisit_shapes::{answer, body};
 
 use super::decoding::read::Node;
 use super::limits;
-use super::shown::Shown;
 use crate::domain::ids::{PriorId, SessionId};
 use crate::domain::prior::{NewPrior, Prior, is_unit};
 use crate::domain::report::PlanPlace;
 use crate::geometry::Point3;
 
 /// A sign that a plan shows.
-#[body]
+#[body(of = NewPrior)]
 pub struct PriorBody {
     /// The class of the sign, as robots' detections name it: anchors of one class match.
     #[schema(min_length = 1, max_length = 64)]
@@ -21,6 +20,7 @@ pub struct PriorBody {
     pub description: String,
     /// Its position `[x,y,z]` in the plan's frame, in metres; z points up.
     #[schema(inline, minimum = -1e9, maximum = 1e9)]
+    #[from(of.position_in_frame)]
     pub position: [f64; 3],
     /// The plan's frame: the id of a session that no robot drives. Each floor has one, or one frame has heights.
     #[id]
@@ -29,6 +29,7 @@ pub struct PriorBody {
     /// one is rejected.
     #[schema(minimum = -1.01, maximum = 1.01)]
     #[read(unit)]
+    #[from(of.normal_in_frame)]
     pub normal: Option<[f64; 3]>,
     /// Where it is known from, for people: the file of the plan.
     #[schema(min_length = 1, max_length = 256)]
@@ -49,44 +50,22 @@ fn unit(node: &Node<'_>) -> Option<[f64; 3]> {
     if is_unit(&normal) { Some(normal) } else { node.refuse("not a unit vector", "a norm of 1, within 1 %") }
 }
 
-impl From<NewPrior> for PriorBody {
-    fn from(prior: NewPrior) -> Self {
-        let at = prior.position_in_frame;
-        Self {
-            class: prior.class,
-            description: prior.description,
-            position: [at.x, at.y, at.z],
-            frame: prior.frame,
-            normal: prior.normal_in_frame,
-            source: prior.source,
-        }
-    }
-}
-
 /// What a plan says of an anchor.
-#[answer]
+#[answer(of = (SessionId, Prior))]
 #[schema(as = Prior)]
 pub struct PriorView {
     /// The plan's frame.
+    #[from(of.0)]
     pub frame: String,
     /// Its position `[x,y,z]` in that frame, in metres.
+    #[from(of.1.position_in_frame)]
     pub position: [f64; 3],
     /// The unit vector `[x,y,z]` out of the wall, if the plan says so.
+    #[from(of.1.normal_in_frame)]
     pub normal: Option<[f64; 3]>,
     /// Where it is known from.
+    #[from(of.1.source)]
     pub source: Option<String>,
-}
-
-impl Shown<(SessionId, Prior)> for PriorView {
-    fn shown((frame, prior): (SessionId, Prior)) -> Self {
-        let at = prior.position_in_frame;
-        Self {
-            frame: frame.to_string(),
-            position: [at.x, at.y, at.z],
-            normal: prior.normal_in_frame,
-            source: prior.source.map(Into::into),
-        }
-    }
 }
 
 /// The place of an anchor in a plan's frame.

@@ -1,6 +1,8 @@
 //! Recording: a map's operations as lines that `replay` plays. Each bears a body as a client posts it.
 
 use serde::Serialize;
+use serde::ser::{SerializeMap as _, Serializer as _};
+use serde_json::{Value, json};
 
 use super::anchor::AnchorPatchBody;
 use super::keyframe::KeyframeBody;
@@ -14,82 +16,65 @@ use super::session_merge::MergeBody;
 use crate::domain::ids::MapId;
 use crate::domain::recorded::{NamedDetection, Recorded};
 
-/// A line. What it names is left out where it names none.
-#[derive(Serialize)]
-struct Line<B> {
-    op: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    keyframe: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    detection: Option<u16>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    session: Option<String>,
-    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
-    closed: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    anchor: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+/// The body of an operation that names all it is about.
+const NO_BODY: Option<()> = None;
+
+/// Appends a line: an operation, what it names, and its body.
+fn line<B: Serialize>(
+    to: &mut Vec<u8>,
+    op: &str,
+    names: &[(&str, Value)],
     body: Option<B>,
+) -> Result<(), serde_json::Error> {
+    let mut json = serde_json::Serializer::new(&mut *to);
+    let mut line = json.serialize_map(None)?;
+    line.serialize_entry("op", op)?;
+    for (name, value) in names {
+        line.serialize_entry(name, value)?;
+    }
+    if let Some(body) = body {
+        line.serialize_entry("body", &body)?;
+    }
+    line.end()?;
+    to.push(b'\n');
+    Ok(())
 }
 
-impl<B: Serialize> Line<B> {
-    fn of(op: &'static str, body: impl Into<Option<B>>) -> Self {
-        let (keyframe, session, detection, closed, anchor) = (None, None, None, None, None);
-        Self { op, id: None, keyframe, session, detection, closed, anchor, body: body.into() }
-    }
-
-    fn at(self, detection: NamedDetection) -> Self {
-        let keyframe = Some(detection.keyframe.to_string());
-        Self { keyframe, detection: Some(detection.number), ..self }
-    }
-
-    fn write(&self, to: &mut Vec<u8>) -> Result<(), serde_json::Error> {
-        serde_json::to_writer(&mut *to, self)?;
-        to.push(b'\n');
-        Ok(())
-    }
+fn place(of: &NamedDetection) -> [(&'static str, Value); 2] {
+    [("keyframe", json!(of.keyframe)), ("detection", json!(of.number))]
 }
 
 /// Appends the line of an operation on a map.
 pub fn write_line(map: &MapId, recorded: Recorded, to: &mut Vec<u8>) -> Result<(), serde_json::Error> {
     match recorded {
-        Recorded::Map(patch) => {
-            Line { id: Some(map.to_string()), ..Line::of("map", MapPatchBody::from(patch)) }.write(to)
-        }
+        Recorded::Map(patch) => line(to, "map", &[("id", json!(map))], Some(MapPatchBody::from(patch))),
         Recorded::Keyframe(keyframe) => {
-            let id = Some(keyframe.id.to_string());
-            Line { id, ..Line::of("keyframe", KeyframeBody::from(*keyframe)) }.write(to)
+            let id = json!(keyframe.id);
+            line(to, "keyframe", &[("id", id)], Some(KeyframeBody::from(*keyframe)))
         }
-        Recorded::Poses(correction) => Line::of("poses", PosesBody::from(correction)).write(to),
+        Recorded::Poses(correction) => line(to, "poses", &[], Some(PosesBody::from(correction))),
         Recorded::Observations(changed) => {
-            Line::of("observations", ObservationsBody::from(changed)).write(to)
+            line(to, "observations", &[], Some(ObservationsBody::from(changed)))
         }
         Recorded::SessionsMerged(merge) => {
-            let session = Some(merge.session.to_string());
-            Line { session, ..Line::of("merge_sessions", MergeBody::from(merge)) }.write(to)
+            let session = json!(merge.session);
+            line(to, "merge_sessions", &[("session", session)], Some(MergeBody::from(merge)))
         }
-        Recorded::MergeRevoked(session) => {
-            Line::<()> { session: Some(session.to_string()), ..Line::of("delete", None) }.write(to)
-        }
-        Recorded::Loop(closed) => Line::of("loop", LoopBody::from(closed)).write(to),
-        Recorded::LoopRevoked(id) => {
-            Line::<()> { closed: Some(id.to_string()), ..Line::of("delete", None) }.write(to)
-        }
+        Recorded::MergeRevoked(session) => line(to, "delete", &[("session", json!(session))], NO_BODY),
+        Recorded::Loop(closed) => line(to, "loop", &[], Some(LoopBody::from(closed))),
+        Recorded::LoopRevoked(id) => line(to, "delete", &[("loop", json!(id))], NO_BODY),
         Recorded::Description { detection, text } => {
-            Line::of("description", AnchorPatchBody { description: text }).at(detection).write(to)
+            line(to, "description", &place(&detection), Some(AnchorPatchBody { description: text }))
         }
-        Recorded::AnchorDeleted(detection) => Line::<()>::of("delete", None).at(detection).write(to),
+        Recorded::AnchorDeleted(detection) => line(to, "delete", &place(&detection), NO_BODY),
         Recorded::Prior(prior) => {
-            Line { id: Some(prior.id.to_string()), ..Line::of("anchor", PriorBody::from(prior)) }.write(to)
+            let id = json!(prior.id);
+            line(to, "anchor", &[("id", id)], Some(PriorBody::from(prior)))
         }
-        Recorded::PriorDeleted(id) => {
-            Line::<()> { anchor: Some(id.to_string()), ..Line::of("delete", None) }.write(to)
-        }
-        Recorded::Judged(verdict) => Line::of("judgement", ModelVerdictBody::from(verdict)).write(to),
+        Recorded::PriorDeleted(id) => line(to, "delete", &[("anchor", json!(id))], NO_BODY),
+        Recorded::Judged(verdict) => line(to, "judgement", &[], Some(ModelVerdictBody::from(verdict))),
         Recorded::CropRead { detection, reading } => {
-            Line::of("judgement", ModelVerdictBody::from((detection, reading))).write(to)
+            line(to, "judgement", &[], Some(ModelVerdictBody::from((detection, reading))))
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use revisit_shapes::{answer, body};
 
+use crate::llm::judge::{Judged, Merged};
+
 /// Two descriptions of objects of one class.
 #[body]
 pub struct TextPair {
@@ -28,7 +30,7 @@ pub struct OneText {
 }
 
 /// SimilarityLevel or InformationLevel.
-#[answer]
+#[answer(of = Judged)]
 pub struct LevelAnswer {
     /// 1 to 5. Similarity: 1 different objects, 5 the same. Information: 1 says nothing, 5 an identifier in context.
     #[schema(minimum = 1, maximum = 5)]
@@ -44,7 +46,7 @@ pub struct LevelAnswer {
 }
 
 /// MergeText: one description out of two.
-#[answer]
+#[answer(of = Merged)]
 pub struct MergeAnswer {
     /// The description.
     pub text: String,

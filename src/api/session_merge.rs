@@ -124,6 +124,6 @@ impl From<SessionMergeRequest> for MergeBody {
                 Some(RenumberingShape { offset: None, ids: Some(ids) })
             }
         };
-        Self { into: merge.into, into_from_session: (&merge.into_from_session).into(), map_points }
+        Self { into: merge.into, into_from_session: merge.into_from_session.into(), map_points }
     }
 }

@@ -1,14 +1,10 @@
 //! Shown: values of the model as answers show them. `#[answer(of = ...)]` asks it of each field.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use super::names::Name;
-use super::settings::MapSettings;
-use super::space::{SimilarityShape, Time, Transform};
-use crate::domain::ids::{KeyframeId, LoopId, SessionId};
-use crate::domain::keyframe::Stamp;
-use crate::geometry::{Gravity, Pose, Sim3};
+use crate::domain::ids::{GlobalModelId, KeyframeId, LoopId, SessionId};
+use crate::geometry::{Gravity, Point3};
 use crate::named::Named;
 
 /// A type of answers that shows a type of the model.
@@ -24,12 +20,17 @@ macro_rules! as_they_are {
             fn shown(of: Self) -> Self {
                 of
             }
+        }
+
+        impl Shown<&Self> for $type {
+            fn shown(of: &Self) -> Self {
+                of.clone()
+            }
         })+
     };
 }
 
-as_they_are!(bool, u8, u16, u32, u64, usize, i64, f64, Gravity, MapSettings, BTreeMap<Box<str>, Vec<String>>);
-as_they_are!(KeyframeId, LoopId, SessionId);
+as_they_are!(bool, u8, u16, u32, u64, usize, i64, f64, Gravity, GlobalModelId, KeyframeId, LoopId, SessionId);
 
 /// Ids, and texts of every kind.
 impl<T: Display> Shown<T> for String {
@@ -41,6 +42,12 @@ impl<T: Display> Shown<T> for String {
 impl<T, S: Shown<T>> Shown<Option<T>> for Option<S> {
     fn shown(of: Option<T>) -> Self {
         of.map(S::shown)
+    }
+}
+
+impl<'t, T, S: Shown<&'t T>> Shown<&'t Option<T>> for Option<S> {
+    fn shown(of: &'t Option<T>) -> Self {
+        of.as_ref().map(S::shown)
     }
 }
 
@@ -56,26 +63,20 @@ impl<T: Copy, S: Shown<T>, const N: usize> Shown<[T; N]> for [S; N] {
     }
 }
 
+impl Shown<Point3> for [f64; 3] {
+    fn shown(of: Point3) -> Self {
+        of.coords.into()
+    }
+}
+
 impl<T: Named> Shown<T> for Name<T> {
     fn shown(of: T) -> Self {
         Self(of)
     }
 }
 
-impl Shown<Stamp> for Time {
-    fn shown(of: Stamp) -> Self {
-        of.into()
-    }
-}
-
-impl Shown<Pose> for Transform {
-    fn shown(of: Pose) -> Self {
-        of.into()
-    }
-}
-
-impl Shown<Sim3> for SimilarityShape {
-    fn shown(of: Sim3) -> Self {
-        (&of).into()
+impl<T: Named> Shown<&T> for Name<T> {
+    fn shown(of: &T) -> Self {
+        Self(*of)
     }
 }

@@ -6,12 +6,13 @@ use utoipa::ToSchema;
 
 use super::decoding::read::{Decode, Node};
 use super::limits;
+use super::shown::Shown;
 use crate::domain::keyframe::Stamp;
 use crate::geometry::{Gravity, Pose, Sim3};
 
 /// A vector, in metres.
 #[body]
-#[derive(Copy)]
+#[derive(Copy, Default)]
 pub struct Vector3 {
     /// Along x, in metres.
     #[schema(minimum = -1e9, maximum = 1e9)]
@@ -38,7 +39,7 @@ impl Decode for Position {
 
 /// A rotation as a unit quaternion, without unit; a norm more than 1 % off one is refused.
 #[body]
-#[derive(Copy)]
+#[derive(Copy, Default)]
 pub struct Quaternion {
     /// Imaginary part, i.
     #[schema(minimum = -1.01, maximum = 1.01)]
@@ -55,19 +56,21 @@ pub struct Quaternion {
 }
 
 /// A rigid transformation, as ROS `geometry_msgs/Transform`.
-#[body]
-#[derive(Copy)]
+#[body(of = Pose)]
+#[derive(Copy, Default)]
 pub struct Transform {
     /// In metres.
+    #[from(of.translation_m())]
     pub translation: Vector3,
     /// A unit quaternion.
     #[read(rotation)]
+    #[from(of.rotation_xyzw())]
     pub rotation: Quaternion,
 }
 
 /// A moment on the robot's clock, as ROS `builtin_interfaces/Time`.
-#[body(Stamp)]
-#[derive(Copy)]
+#[body(same Stamp, of = Stamp)]
+#[derive(Copy, Default)]
 pub struct Time {
     /// Whole seconds.
     #[schema(minimum = -62_135_596_800_i64, maximum = 253_402_300_799_i64)]
@@ -82,6 +85,23 @@ impl Transform {
     pub fn pose(self) -> Option<Pose> {
         let Self { translation: at, rotation: by } = self;
         Pose::new([at.x, at.y, at.z], [by.x, by.y, by.z, by.w])
+    }
+
+    /// Returns a computed pose as answers show it.
+    pub fn computed(pose: &Pose) -> Self {
+        Pose::from_stored(pose.translation_m().map(rounded), pose.rotation_xyzw().map(rounded)).into()
+    }
+}
+
+impl Shown<[f64; 3]> for Vector3 {
+    fn shown([x, y, z]: [f64; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl Shown<[f64; 4]> for Quaternion {
+    fn shown([x, y, z, w]: [f64; 4]) -> Self {
+        Self { x, y, z, w }
     }
 }
 
@@ -100,12 +120,6 @@ fn rotation(node: &Node<'_>) -> Option<Quaternion> {
     read
 }
 
-impl From<Time> for Stamp {
-    fn from(Time { sec, nanosec }: Time) -> Self {
-        Self { sec, nanosec }
-    }
-}
-
 impl Decode for Gravity {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let vector = node.numbers::<3>(limits::DIRECTION)?;
@@ -113,21 +127,6 @@ impl Decode for Gravity {
         let norm = || rounded(vector.iter().map(|part| part * part).sum::<f64>().sqrt());
         Self::new(vector)
             .or_else(|| node.refuse_as("not a unit vector", format!("a norm of {}", norm()), limit()))
-    }
-}
-
-impl From<Pose> for Transform {
-    fn from(pose: Pose) -> Self {
-        let [x, y, z] = pose.translation_m();
-        let translation = Vector3 { x, y, z };
-        let [x, y, z, w] = pose.rotation_xyzw();
-        Self { translation, rotation: Quaternion { x, y, z, w } }
-    }
-}
-
-impl From<Stamp> for Time {
-    fn from(stamp: Stamp) -> Self {
-        Self { sec: stamp.sec, nanosec: stamp.nanosec }
     }
 }
 
@@ -141,25 +140,21 @@ pub fn rounded(number: f64) -> f64 {
 }
 
 /// A similarity transformation: scaled, rotated, then moved.
-#[body]
+#[body(of = Sim3)]
 #[derive(Copy)]
 #[schema(as = SentSimilarity)]
 pub struct SimilarityShape {
     /// In metres.
+    #[from(of.translation_m())]
     pub translation: Vector3,
     /// A unit quaternion.
     #[read(rotation)]
+    #[from(of.rotation_xyzw())]
     pub rotation: Quaternion,
     /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
     #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
+    #[is(Some(of.scale()))]
     pub scale: Option<f64>,
-}
-
-impl From<&Sim3> for SimilarityShape {
-    fn from(sim3: &Sim3) -> Self {
-        let Transform { translation, rotation } = sim3.without_scale().into();
-        Self { translation, rotation, scale: Some(sim3.scale()) }
-    }
 }
 
 impl SimilarityShape {

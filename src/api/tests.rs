@@ -6,10 +6,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use super::anchor::{AnchorPatch, AnchorPatchBody, AnchorView, LocalAnchorMap};
+use super::anchor::{AnchorPatchBody, AnchorView, LocalAnchorMap};
 use super::decoding::base64;
 use super::decoding::document::Document;
 use super::decoding::read::{self, Decode};
+use super::decoding::syntax;
 use super::erasure::{ErasureBody, ErasureView};
 use super::frames::FramesView;
 use super::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
@@ -27,6 +28,11 @@ use crate::domain::invalid::FieldError;
 use crate::domain::release::NewRelease;
 use crate::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, PoseCorrection};
 
+/// Returns the document of a value, written as text.
+fn document(value: &Value) -> Document<'static> {
+    syntax::parse(value.to_string().leak().as_bytes()).unwrap_or_else(|error| panic!("{error:?}: {value}"))
+}
+
 fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
     let shape: T =
         serde_json::from_value(example.clone()).unwrap_or_else(|error| panic!("{error}: {example}"));
@@ -35,7 +41,7 @@ fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
 
 fn is_body<Shape: Serialize + DeserializeOwned, Model: Decode + Debug>(example: &Value) {
     is_shape::<Shape>(example);
-    read::decode::<Model>(&Document::from(example)).unwrap_or_else(|errors| panic!("{errors:#?}: {example}"));
+    read::decode::<Model>(&document(example)).unwrap_or_else(|errors| panic!("{errors:#?}: {example}"));
 }
 
 #[test]
@@ -49,17 +55,17 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     is_body::<PosesBody, PoseCorrection>(&examples::poses_body());
     is_body::<ObservationsBody, ChangedObservations>(&examples::observations_body());
     is_body::<MergeBody, MergeFields>(&examples::merge_body());
-    is_body::<AnchorPatchBody, AnchorPatch>(&examples::anchor_patch());
+    is_body::<AnchorPatchBody, AnchorPatchBody>(&examples::anchor_patch());
     is_body::<semantics::TextPair, semantics::TextPair>(&examples::text_pair());
     is_body::<semantics::OneText, semantics::OneText>(&examples::one_text());
     is_shape::<KeyframeBody>(&examples::keyframe_body());
     let id = "kf-120".parse().expect("an id");
-    let body = Document::from(&examples::keyframe_body());
+    let body = document(&examples::keyframe_body());
     let sent = keyframe::named(body.root(), &id).expect("a keyframe").keyframe;
     assert_eq!(sent.observes, [12, 13]);
     assert_eq!(sent.features.expect("features").map_points, [Some(12), None]);
     for line in examples::bulk_lines() {
-        bulk::decode(Document::from(&line).root()).expect("a keyframe");
+        bulk::decode(document(&line).root()).expect("a keyframe");
     }
 }
 
@@ -93,12 +99,24 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<semantics::LevelAnswer>(&examples::information());
     is_shape::<semantics::MergeAnswer>(&examples::merged_text());
     is_shape::<usage::Usage>(&examples::usage());
-    is_shape::<problem::ProblemView>(&examples::problem());
+    is_shape::<problem::ProblemView>(&json!({
+        "type": "/docs#problem-invalid",
+        "title": "The body does not mean what it should",
+        "status": 422,
+        "detail": "2 fields are wrong",
+        "code": "invalid",
+        "request_id": "6c0f2a9e51d34b77-1f",
+        "errors": [
+            {"pointer": "/pose/rotation", "detail": "not a unit quaternion: its norm is 0",
+             "got": "an object of 4 fields", "limit": "a norm of 1, within 1 %"},
+            {"pointer": "/stamp", "detail": "the field is required"}
+        ]
+    }));
 }
 
 fn faults(body: &Value) -> Vec<String> {
     let id = "kf-120".parse().expect("an id");
-    let errors = keyframe::named(Document::from(body).root(), &id).err().unwrap_or_default();
+    let errors = keyframe::named(document(body).root(), &id).err().unwrap_or_default();
     errors.into_iter().map(|error| error.pointer).collect()
 }
 
@@ -162,7 +180,7 @@ fn all_faults_of_a_body_are_told_at_once() {
 fn faults_beyond_a_hundred_are_counted() {
     let mut body = examples::keyframe_body();
     body["observes"] = json!(vec!["x"; 1000]);
-    let body = Document::from(&body);
+    let body = document(&body);
     let errors = keyframe::named(body.root(), &"kf".parse().expect("an id")).expect_err("faults");
     assert_eq!(errors.len(), 101);
     assert_eq!(errors[100].detail, "900 more faults are not listed");
@@ -207,14 +225,14 @@ fn packed_keyframe() -> Value {
 #[test]
 fn packed_columns_make_the_same_facts_and_the_same_digest_as_lists() {
     let id = "kf-120".parse().expect("an id");
-    let read = |body: &Value| keyframe::named(Document::from(body).root(), &id).expect("a keyframe");
+    let read = |body: &Value| keyframe::named(document(body).root(), &id).expect("a keyframe");
     assert_eq!(read(&packed_keyframe()), read(&examples::keyframe_body()));
 }
 
 #[test]
 fn the_digest_is_of_the_facts_whatever_their_order_and_changes_with_each_of_them() {
     let id = "kf-120".parse().expect("an id");
-    let digest = |body: &Value| keyframe::named(Document::from(body).root(), &id).expect("a keyframe").digest;
+    let digest = |body: &Value| keyframe::named(document(body).root(), &id).expect("a keyframe").digest;
     let body = examples::keyframe_body();
     let mut reordered = body.clone();
     for list in ["/observes", "/map_points/ids", "/map_points/positions", "/bow/words", "/bow/weights"] {
@@ -251,7 +269,7 @@ fn the_form_of_the_digest_never_changes() {
     use std::fmt::Write as _;
     let id = "kf-120".parse().expect("an id");
     let body = examples::keyframe_body();
-    let digest = keyframe::named(Document::from(&body).root(), &id).expect("a keyframe").digest;
+    let digest = keyframe::named(document(&body).root(), &id).expect("a keyframe").digest;
     let hex = digest.iter().fold(String::new(), |mut hex, byte| {
         let _ = write!(hex, "{byte:02x}");
         hex
@@ -265,7 +283,7 @@ fn a_fault_within_a_packed_column_names_the_field_and_the_item() {
         let mut body = packed_keyframe();
         *body.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = json!(base64::encode(numbers));
         let id = "kf-120".parse().expect("an id");
-        let errors = keyframe::named(Document::from(&body).root(), &id).expect_err("faults");
+        let errors = keyframe::named(document(&body).root(), &id).expect_err("faults");
         let is_told = |error: &FieldError| error.pointer == pointer && error.detail.contains(detail);
         assert!(errors.iter().any(is_told), "{place}: {errors:?}");
     };
@@ -300,9 +318,9 @@ fn a_bulk_line_is_the_body_of_a_put_with_its_id() {
     let id = "kf-120".parse().expect("an id");
     let mut line = examples::keyframe_body();
     line["id"] = json!("kf-120");
-    let body = Document::from(&examples::keyframe_body());
-    assert_eq!(bulk::decode(Document::from(&line).root()), Ok(keyframe::named(body.root(), &id).unwrap()));
-    let wrong = Document::from(&json!({"id": "a/b", "pose": 1}));
+    let body = document(&examples::keyframe_body());
+    assert_eq!(bulk::decode(document(&line).root()), Ok(keyframe::named(body.root(), &id).unwrap()));
+    let wrong = document(&json!({"id": "a/b", "pose": 1}));
     let errors = bulk::decode(wrong.root()).expect_err("faults");
     let pointers: Vec<_> = errors.faults.iter().map(|error| error.pointer.as_str()).collect();
     assert_eq!(pointers, ["/id", "/stamp", "/pose"]);

@@ -69,7 +69,7 @@ async fn every_operation_asks_what_the_api_document_says() {
         examples::keyframes(),
         examples::judgement(),
         examples::judgement(),
-        crate::api::key::example_made(),
+        examples::made_key(),
         examples::backup_taken(),
     ];
     let asked = Arc::new(AtomicU32::new(0));

@@ -23,7 +23,7 @@ mod erasures;
 mod error;
 pub mod keys;
 pub mod limits;
-mod lock;
+pub mod lock;
 mod maps;
 mod named_vocabulary;
 mod opening;

@@ -7,6 +7,11 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use serde::Serialize;
 
+use super::problem::Problem;
+
+/// A response of JSON, or the reason why there is none.
+pub type Answer<T> = Result<Json<T>, Problem>;
+
 const REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
 
 /// Responds to a write by id: 201 if it is new, 200 and `idempotent-replayed: true` if it already existed.

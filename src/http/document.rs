@@ -1,12 +1,12 @@
 //! Document: the API document, built from the routes themselves.
 
 use serde_json::json;
+use utoipa::OpenApi;
 use utoipa::openapi::extensions::ExtensionsBuilder;
 use utoipa::openapi::path::{Operation, Parameter, PathItem};
 use utoipa::openapi::schema::{Object, OneOf, SchemaType, Type};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{RefOr, Schema};
-use utoipa::{Modify, OpenApi};
 
 use super::guards::route_permissions::SCHEME;
 use super::{error_responses, routes};
@@ -45,29 +45,21 @@ use crate::recognition::constants::{self, Constant};
         (name = "service", description = "State of the server"),
         (name = "keys", description = "API keys. From the first one on, every request needs a key: create the administrator's first")
     ),
-    components(schemas(ProblemView, EventView)),
-    modifiers(&BearerKey)
+    components(schemas(ProblemView, EventView))
 )]
 struct Frame;
 
-/// The security scheme of API keys.
-struct BearerKey;
-
-impl Modify for BearerKey {
-    fn modify(&self, document: &mut utoipa::openapi::OpenApi) {
-        let mut bearer = Http::new(HttpAuthScheme::Bearer);
-        bearer.description = Some(
-            "An API key with the action that the operation requires. A server on loopback whose database never had a key \
-             requires none."
-                .to_owned(),
-        );
-        document.components.get_or_insert_default().add_security_scheme(SCHEME, SecurityScheme::Http(bearer));
-    }
-}
-
 /// Returns the document without its operations.
 pub fn frame() -> utoipa::openapi::OpenApi {
-    Frame::openapi()
+    let mut document = Frame::openapi();
+    let mut bearer = Http::new(HttpAuthScheme::Bearer);
+    bearer.description = Some(
+        "An API key with the action that the operation requires. A server on loopback whose database never had a key \
+         requires none."
+            .to_owned(),
+    );
+    document.components.get_or_insert_default().add_security_scheme(SCHEME, SecurityScheme::Http(bearer));
+    document
 }
 
 /// Returns the API document.

@@ -50,75 +50,62 @@ const HOP_BY_HOP: [&str; 8] = [
 
 /// Middleware that sends requests about maps of other servers on, or has a copy answer them, where the client says which
 /// version it has seen.
-pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Response {
+pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Result<Response, Problem> {
     let Some(route) =
         request.extensions().get::<MatchedPath>().filter(|route| route.as_str().starts_with(OF_MAP))
     else {
-        return next.run(request).await;
+        return Ok(next.run(request).await);
     };
     let route = route.clone();
     let (mut parts, body) = request.into_parts();
-    let min_version = match take_min_version(&mut parts, route.as_str()) {
-        Ok(min_version) => min_version,
-        Err(problem) => return problem.into_response(),
-    };
+    let min_version = take_min_version(&mut parts, route.as_str())?;
     // Most servers are alone, and most requests say nothing: they go on as they are.
     if app.service.address().is_none() && min_version.is_none() {
-        return next.run(Request::from_parts(parts, body)).await;
+        return Ok(next.run(Request::from_parts(parts, body)).await);
     }
     let Some(map) = map_of(&mut parts).await else {
-        return next.run(Request::from_parts(parts, body)).await;
+        return Ok(next.run(Request::from_parts(parts, body)).await);
     };
     let forwarded = parts.headers.remove(FORWARDED);
-    let Some(address) = app.service.address().map(str::to_owned) else {
-        return here(&app, &map, min_version, Request::from_parts(parts, body), next).await;
+    let mut request = Request::from_parts(parts, body);
+    let Some(address) = app.service.address() else {
+        return Ok(here(&app, &map, min_version, request, next).await);
     };
     let is_from_peer = forwarded.as_ref().is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
-    let to = if is_from_peer { Ok(Route::Here) } else { app.service.route(&map).await };
-    let mut request = Request::from_parts(parts, body);
-    match to {
+    let to = if is_from_peer { Route::Here } else { app.service.route(&map).await? };
+    let node = match to {
+        Route::Here => return Ok(with_owner(here(&app, &map, min_version, request, next).await, address)),
         // Meant for a server that was here before, or made up: sent on, it could come back.
-        Ok(Route::At(_)) if forwarded.is_some() => {
-            Problem::new(Kind::UNAVAILABLE, "another server has this map; try again").into_response()
+        Route::At(_) if forwarded.is_some() => {
+            return Err(Problem::new(Kind::UNAVAILABLE, "another server has this map; try again"));
         }
-        Ok(Route::Here) => with_owner(here(&app, &map, min_version, request, next).await, &address),
-        Ok(Route::At(node)) => {
-            // Else two servers that are full of each other's requests would wait for each other.
-            let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
-            if let Some(version) = min_version {
-                if is_answered_from_copies(route.as_str()) {
-                    match held.release_while(app.following.reach(&map, version)).await {
-                        Ok(()) => {
-                            request.extensions_mut().insert(FromCopy);
-                            app.metrics.forwarded("copied");
-                            return with_owner(next.run(request).await, &node.address);
-                        }
-                        Err(error @ ServiceError::PreconditionFailed(_)) => {
-                            return with_owner(Problem::from(error).into_response(), &node.address);
-                        }
-                        // The owner may still know.
-                        Err(error) => tracing::debug!(%map, %error, "a copy did not answer"),
-                    }
+        Route::At(node) => node,
+    };
+    // Else two servers that are full of each other's requests would wait for each other.
+    let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
+    if let Some(version) = min_version {
+        if is_answered_from_copies(route.as_str()) {
+            match held.release_while(app.following.reach(&map, version)).await {
+                Ok(()) => {
+                    request.extensions_mut().insert(FromCopy);
+                    app.metrics.forwarded("copied");
+                    return Ok(with_owner(next.run(request).await, &node.address));
                 }
-                request.headers_mut().insert(MIN_VERSION, version.into());
-            }
-            match held.release_while(sent_on(&app, &map, &node, request)).await {
-                Ok(response) => {
-                    if response.status() == StatusCode::SERVICE_UNAVAILABLE {
-                        app.service.ask_for_owner_again(&map);
-                    }
-                    app.metrics.forwarded("answered");
-                    with_owner(response, &node.address)
+                Err(error @ ServiceError::PreconditionFailed(_)) => {
+                    return Ok(with_owner(Problem::from(error).into_response(), &node.address));
                 }
-                Err(problem) => {
-                    app.service.ask_for_owner_again(&map);
-                    app.metrics.forwarded("failed");
-                    problem.into_response()
-                }
+                // The owner may still know.
+                Err(error) => tracing::debug!(%map, %error, "a copy did not answer"),
             }
         }
-        Err(error) => Problem::from(error).into_response(),
+        request.headers_mut().insert(MIN_VERSION, version.into());
     }
+    let sent_on = held.release_while(sent_on(&app, &map, &node, request)).await;
+    if !matches!(&sent_on, Ok(response) if response.status() != StatusCode::SERVICE_UNAVAILABLE) {
+        app.service.ask_for_owner_again(&map);
+    }
+    app.metrics.forwarded(if sent_on.is_ok() { "answered" } else { "failed" });
+    Ok(with_owner(sent_on?, &node.address))
 }
 
 /// Answers by this server's own map, once that has the version that the client has seen.

@@ -154,16 +154,6 @@ impl Problem {
         Self { errors, ..self }
     }
 
-    /// Returns the status.
-    pub fn status(&self) -> StatusCode {
-        self.kind.status
-    }
-
-    /// Returns the time until a retry, in seconds.
-    pub fn retry_after_s(&self) -> Option<u32> {
-        self.retry_after_s
-    }
-
     /// Returns the internal cause, for the log.
     pub fn cause(&self) -> Option<&str> {
         self.cause.as_deref()
@@ -207,7 +197,7 @@ impl From<ServiceError> for Problem {
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let mut response = self.status().into_response();
+        let mut response = self.kind.status.into_response();
         if let Some(seconds) = self.retry_after_s {
             response.headers_mut().insert(RETRY_AFTER, seconds.into());
         }

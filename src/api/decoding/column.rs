@@ -61,12 +61,8 @@ impl Number {
 
 impl Packed {
     /// Returns the packed bytes of an item.
-    pub(super) const fn item_bytes(self) -> usize {
-        self.number.bytes()
-            * match self.row {
-                Some(numbers) => numbers,
-                None => 1,
-            }
+    pub(super) fn item_bytes(self) -> usize {
+        self.number.bytes() * self.row.unwrap_or(1)
     }
 
     /// Returns how many items a string of base64 packs, as far as its length tells.

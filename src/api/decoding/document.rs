@@ -4,7 +4,7 @@
 //! numbers that was a quarter of a PUT. Here a value is 16 bytes in one list, in the order of the text, and strings stay
 //! in the text.
 
-use serde_json::{Number, Value};
+use serde_json::Number;
 
 /// A parsed JSON text.
 #[derive(Debug)]
@@ -198,44 +198,17 @@ impl<'d> Json<'d> {
     }
 }
 
-/// Documents of values that were no text: parameters of a query, examples, tests.
-impl From<&Value> for Document<'static> {
-    fn from(value: &Value) -> Self {
-        let mut document = Self::with_room(&[], 0);
-        document.push(value);
-        document
-    }
-}
-
 impl Document<'_> {
-    fn push(&mut self, value: &Value) {
-        let token = match value {
-            Value::Null => Token::Null,
-            Value::Bool(value) => Token::Bool(*value),
-            Value::Number(number) => match (number.as_i64(), number.as_u64()) {
-                (Some(whole), _) => Token::Whole(whole),
-                (None, Some(large)) => Token::Large(large),
-                (None, None) => Token::Float(number.as_f64().unwrap_or(f64::NAN)),
-            },
-            Value::String(text) => self.unescaped_text(text),
-            Value::Array(items) => {
-                let at = self.open();
-                for item in items {
-                    self.push(item);
-                }
-                return self.close(at, items.len(), |items, end| Token::List { items, end });
-            }
-            Value::Object(members) => {
-                let at = self.open();
-                for (name, value) in members {
-                    let name = self.unescaped_text(name);
-                    self.values.push(name);
-                    self.push(value);
-                }
-                return self.close(at, members.len(), |members, end| Token::Object { members, end });
-            }
-        };
-        self.values.push(token);
+    /// Creates a document of an object whose members are strings, as parameters of a query are.
+    pub fn of_texts(members: &[(String, String)]) -> Self {
+        let mut document = Self::with_room(&[], 1 + 2 * members.len());
+        let at = document.open();
+        for text in members.iter().flat_map(|(name, text)| [name, text]) {
+            let token = document.unescaped_text(text);
+            document.values.push(token);
+        }
+        document.close(at, members.len(), |members, end| Token::Object { members, end });
+        document
     }
 
     /// Returns a string that stands in the text as it reads, found by its address.

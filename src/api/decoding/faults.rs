@@ -35,14 +35,8 @@ impl Faults {
         let mut list = self.listed.into_inner();
         let unlisted = self.unlisted.get();
         if unlisted > 0 {
-            list.push(FieldError::new(
-                "",
-                format!(
-                    "{} {} not listed",
-                    counted(unlisted, "more fault"),
-                    if unlisted == 1 { "is" } else { "are" }
-                ),
-            ));
+            let (faults, are) = (counted(unlisted, "more fault"), if unlisted == 1 { "is" } else { "are" });
+            list.push(FieldError::new("", format!("{faults} {are} not listed")));
         }
         list
     }

@@ -92,6 +92,12 @@ impl<'a> Node<'a> {
         let name = self.string()?;
         from_name(name).or_else(|| self.refuse("there is no such value", names.join(", ")))
     }
+
+    /// Reads the name of one of a few values.
+    pub fn one_of<T: Copy, const N: usize>(&self, values: [(&str, T); N]) -> Option<T> {
+        let find = |wanted: &str| values.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
+        self.choice(&values.map(|(name, _)| name), find)
+    }
 }
 
 /// 2^53 and below, where every whole number is an f64 of its own.

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{list_at, with, without};
+
 /// Returns an anchor.
 pub fn anchor() -> Value {
     let bounds = json!({"min": [0.5, 0.0, 2.0], "max": [0.75, 0.25, 2.0]});
@@ -51,9 +53,7 @@ pub fn transcript() -> Value {
 
 /// Anchors.
 pub fn anchors() -> Value {
-    let mut item = anchor();
-    item.as_object_mut().map(|members| members.remove("map_version"));
-    json!({"map_version": 412, "items": [item], "next_cursor": null})
+    list_at(412, [without(anchor(), &["map_version"])])
 }
 
 /// Returns a sign that a plan shows.
@@ -66,37 +66,28 @@ pub fn prior_body() -> Value {
 
 /// Returns a prior anchor.
 pub fn prior_anchor() -> Value {
-    let bounds = json!({"min": [12.5, 4.0, 1.5], "max": [12.5, 4.0, 1.5]});
-    json!({
+    let prior = without(prior_body(), &["class", "description"]);
+    let place = &prior["position"];
+    let bounds = json!({"min": place, "max": place});
+    let members = json!({
         "id": "door-901",
         "map_version": 413,
-        "class": "door_number",
-        "state": "valid",
-        "description": "901",
-        "kind": "name",
         "description_source": "plan",
-        "identifiers": ["901"],
-        "information_level": 4,
-        "information_reason": "901 is an identifier",
         "readings": [],
         "keyframes": [],
         "box": bounds,
-        "center": [12.5, 4.0, 1.5],
-        "frames": [{"session": "plan:9", "box": bounds, "center": [12.5, 4.0, 1.5]}],
+        "center": place,
+        "frames": [{"session": "plan:9", "box": bounds, "center": place}],
         "map_points": 0,
         "matches": [{
             "anchor": "a-7", "level": 5, "source": "identical", "kind": "revisit", "reason": "both read 901"
         }],
-        "matches_total": 1,
-        "merged_from": [],
-        "prior": {
-            "frame": "plan:9", "position": [12.5, 4.0, 1.5], "normal": [0.0, 1.0, 0.0],
-            "source": "tower.building.yaml"
-        },
-        "plan_position": {"frame": "plan:9", "position": [12.5, 4.0, 1.5]},
+        "prior": prior,
+        "plan_position": {"frame": "plan:9", "position": place},
         "has_crop": false,
         "version": 1
-    })
+    });
+    with(anchor(), members)
 }
 
 /// Returns a description by hand.

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{with, without};
+
 /// Returns a job to be counted first.
 pub fn judgement_body() -> Value {
     json!({"asks": "texts", "preview": true})
@@ -9,21 +11,8 @@ pub fn judgement_body() -> Value {
 
 /// Returns what a job would take.
 pub fn judgement_preview() -> Value {
-    let mut preview = judgement();
-    let gone = ["id", "changed", "unchanged", "left", "replaced", "state"];
-    if let Some(members) = preview.as_object_mut() {
-        members.retain(|name, _| !gone.contains(&name.as_str()));
-    }
-    for (name, value) in [
-        ("state", json!("preview")),
-        ("changed", json!(0)),
-        ("unchanged", json!(0)),
-        ("left", json!(12)),
-        ("replaced", json!([])),
-    ] {
-        preview[name] = value;
-    }
-    preview
+    let members = json!({"state": "preview", "changed": 0, "unchanged": 0, "left": 12, "replaced": []});
+    with(without(judgement(), &["id"]), members)
 }
 
 /// Returns a job that is done.

@@ -2,19 +2,24 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{TURNED, UPRIGHT, list_at, second, transform, with, without};
+
 /// A PNG file of 8 by 8 pixels.
 const CROP: &str = "iVBORw0KGgoAAAANSUhEUgAAAAgAAAAICAAAAADhZOFXAAAAFElEQVR42mP4DwUM/xXAgFQGFAAAjpQgZSHqsWMAAAAASUVORK5CYII=";
+
+/// Eight numbers; a model computes hundreds.
+const GLOBAL_DESCRIPTOR: &str = "AP8Cf4EDBPo=";
 
 /// Returns a keyframe to be stored.
 pub fn keyframe_body() -> Value {
     json!({
         "session": "robot-7",
-        "stamp": {"sec": 1, "nanosec": 0},
-        "pose": transform(),
+        "stamp": second(1),
+        "pose": pose(),
         "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
         "gravity": [0.0, 1.0, 0.0],
         "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
-        "global_descriptor": global_descriptor(),
+        "global_descriptor": {"model": "megaloc", "encoding": "int8", "data": GLOBAL_DESCRIPTOR},
         "features": {
             "descriptor_bytes": 8,
             "descriptors": "AAECAwQFBgcICQoLDA0ODw==",
@@ -37,13 +42,8 @@ pub fn keyframe_body() -> Value {
     })
 }
 
-/// Eight numbers; a model computes hundreds.
-fn global_descriptor() -> Value {
-    json!({"model": "megaloc", "encoding": "int8", "data": "AP8Cf4EDBPo="})
-}
-
-fn transform() -> Value {
-    json!({"translation": {"x": 1.5, "y": 0.0, "z": 0.25}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}})
+fn pose() -> Value {
+    transform([1.5, 0.0, 0.25], UPRIGHT)
 }
 
 /// A keyframe is stored.
@@ -58,56 +58,39 @@ pub fn keyframe_answer() -> Value {
 
 /// Returns a keyframe as it stands.
 pub fn keyframe() -> Value {
-    json!({
+    let mut sent = keyframe_body();
+    let detection = without(sent["detections"][0].take(), &["position", "description", "crop"]);
+    let became = json!({"has_crop": false, "anchor": "a-7", "outcome": "observed", "state": "valid"});
+    let members = json!({
         "id": "kf-120",
         "map_version": 412,
-        "session": "robot-7",
-        "stamp": {"sec": 1, "nanosec": 0},
-        "pose": transform(),
-        "gravity": [0.0, 1.0, 0.0],
-        "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
-        "global_descriptor": global_descriptor(),
         "map_points": {"ids": [12], "positions": [[0.5, 0.0, 2.0]]},
-        "observes": [12, 13],
-        "covisible": [{"keyframe": "kf-119", "shared": 87}],
         "covisible_total": 12,
-        "detections": [{
-            "class": "door_number",
-            "confidence": 0.93,
-            "box": [300.0, 180.0, 340.0, 220.0],
-            "map_points": [12, 13],
-            "text": "901",
-            "has_crop": false,
-            "anchor": "a-7",
-            "outcome": "observed",
-            "state": "valid"
-        }]
-    })
+        "detections": [with(detection, became)]
+    });
+    with(without(sent, &["camera", "features"]), members)
 }
 
 /// Keyframes.
 pub fn keyframes() -> Value {
     let line = json!({
-        "id": "kf-120", "session": "robot-7", "stamp": {"sec": 1, "nanosec": 0}, "pose": transform(),
-        "covisible": 12, "anchors": ["a-7"]
+        "id": "kf-120", "session": "robot-7", "stamp": second(1), "pose": pose(), "covisible": 12, "anchors": ["a-7"]
     });
     json!({"map_version": 412, "items": [line], "next_cursor": "kf-120"})
 }
 
 /// Returns the lines of a bulk request: another robot at the same door, and the keyframe before `kf-120`.
 pub fn bulk_lines() -> [Value; 2] {
-    let at_the_origin = json!({
-        "translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
-    });
+    let at_the_origin = transform([0.0; 3], UPRIGHT);
     let door = json!({
         "class": "door_number", "confidence": 0.9, "box": [250.0, 190.0, 290.0, 230.0], "position": [-0.9, 0.1, 1.75],
         "text": "901"
     });
     let bow = json!({"words": [3, 17], "weights": [0.5, 0.5]});
     [
-        json!({"id": "kf-3", "session": "robot-3", "stamp": {"sec": 0, "nanosec": 0}, "pose": at_the_origin, "bow": bow,
+        json!({"id": "kf-3", "session": "robot-3", "stamp": second(0), "pose": at_the_origin, "bow": bow,
             "detections": [door]}),
-        json!({"id": "kf-119", "session": "robot-7", "stamp": {"sec": 0, "nanosec": 500_000_000}, "pose": transform()}),
+        json!({"id": "kf-119", "session": "robot-7", "stamp": {"sec": 0, "nanosec": 500_000_000}, "pose": pose()}),
     ]
 }
 
@@ -124,7 +107,7 @@ pub fn bulk_line() -> Value {
 
 /// Covisible keyframes.
 pub fn covisible() -> Value {
-    json!({"map_version": 412, "items": [{"keyframe": "kf-119", "shared": 87}], "next_cursor": null})
+    list_at(412, [json!({"keyframe": "kf-119", "shared": 87})])
 }
 
 /// Returns a local anchor map.
@@ -162,10 +145,7 @@ pub fn observations_answer() -> Value {
 pub fn merge_body() -> Value {
     json!({
         "into": "robot-3",
-        "into_from_session": {
-            "translation": {"x": 12.5, "y": -3.25, "z": 0.0},
-            "rotation": {"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8}
-        },
+        "into_from_session": transform([12.5, -3.25, 0.0], TURNED),
         "map_points": {"offset": 100_000}
     })
 }
@@ -182,23 +162,14 @@ pub fn merge_revoked() -> Value {
 
 /// One frame for all sessions.
 pub fn frames() -> Value {
-    let rotation = json!({"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8});
+    let reference = transform([0.0; 3], UPRIGHT);
+    let other = transform([12.5, -3.25, 0.0], TURNED);
     json!({
         "version": 416,
         "reference": "robot-3",
         "frames": [
-            {
-                "session": "robot-3",
-                "reference_from_session": {"translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
-                "residual": 0.04,
-                "loops": 12
-            },
-            {
-                "session": "robot-7",
-                "reference_from_session": {"translation": {"x": 12.5, "y": -3.25, "z": 0.0}, "rotation": rotation},
-                "residual": 0.04,
-                "loops": 12
-            },
+            {"session": "robot-3", "reference_from_session": reference, "residual": 0.04, "loops": 12},
+            {"session": "robot-7", "reference_from_session": other, "residual": 0.04, "loops": 12},
             {"session": "robot-9", "loops": 0}
         ],
         "suspects": [{"loop": "loop-17", "cycle": ["loop-3"], "residual": 6.2, "residual_rad": 0.01}],
@@ -211,7 +182,7 @@ pub fn frames() -> Value {
 pub fn poses_body() -> Value {
     json!({
         "session": "robot-7",
-        "keyframes": {"ids": ["kf-120"], "poses": [transform()]},
+        "keyframes": {"ids": ["kf-120"], "poses": [pose()]},
         "map_points": {"ids": [12], "positions": [[0.5, 0.0, 2.0]]}
     })
 }

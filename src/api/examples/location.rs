@@ -2,12 +2,16 @@
 
 use serde_json::{Value, json};
 
+use super::keyframes::keyframe_body;
+use super::parts::transform;
+
 /// Returns a question about one keyframe without a pose.
 pub fn locate() -> Value {
+    let stored = keyframe_body();
     json!({
         "keyframe": {
-            "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
-            "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+            "camera": stored["camera"],
+            "bow": stored["bow"],
             "detections": [
                 {"class": "door_number", "confidence": 0.93, "box": [280.0, 200.0, 330.0, 225.0],
                  "position": [-0.3, -0.4, 3.1], "text": "901"},
@@ -36,17 +40,10 @@ pub fn locate_answer() -> Value {
             "evidence": [
                 {"kind": "name", "about": "901", "log_odds": 5.3},
                 {"kind": "name", "about": "903", "log_odds": 5.3},
-                {
-                    "kind": "neighbour",
-                    "about": "the place next to it has these names around it as well",
-                    "log_odds": -3.7
-                },
+                {"kind": "neighbour", "about": "the place next to it has these names around it as well", "log_odds": -3.7},
                 {"kind": "view", "about": "0 cells", "log_odds": -2.067}
             ],
-            "map_from_camera": {
-                "translation": {"x": 12.1, "y": 0.4, "z": 1.2},
-                "rotation": {"x": -0.5, "y": 0.5, "z": -0.5, "w": 0.5}
-            },
+            "map_from_camera": transform([12.1, 0.4, 1.2], [-0.5, 0.5, -0.5, 0.5]),
             "uncertainty": {"translation_m": 0.45, "rotation_rad": 0.16},
             "pose_source": "anchors",
             "assumed": ["upright"],

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{list, list_at, second, with};
+
 /// Returns a loop query.
 pub fn loop_query() -> Value {
     json!({"keyframe": "kf-120", "verify": "auto", "max_wait_ms": 0, "seed": 0})
@@ -93,26 +95,22 @@ pub fn loop_revoked() -> Value {
 
 /// Confirmed loops.
 pub fn loops() -> Value {
-    let item = json!({
-        "id": "loop-1", "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b",
-        "merged": [{"into": "a-2", "from": "a-7"}]
-    });
-    json!({"map_version": 413, "items": [item], "next_cursor": null})
+    list_at(413, [with(loop_body(), json!({"merged": [{"into": "a-2", "from": "a-7"}]}))])
 }
 
 /// Verdicts in a line each.
 pub fn verdicts() -> Value {
     let item = json!({
-        "query": "q-2f6f6d0a4c1b", "time": {"sec": 1_782_907_200, "nanosec": 0}, "keyframe": "kf-120", "session": "robot-1",
+        "query": "q-2f6f6d0a4c1b", "time": second(1_782_907_200), "keyframe": "kf-120", "session": "robot-1",
         "candidate": "kf-3", "map_version": 412, "verdict": "no_loop", "reason": "contradiction",
         "why": "It reads 910 where 901 hung.", "is_whole": true
     });
-    json!({"items": [item], "next_cursor": null})
+    list([item])
 }
 
 /// Returns the data of one event.
 pub fn event() -> Value {
-    json!({"seq": 31, "event": "loop_found", "map_version": 412, "time": {"sec": 1_782_907_200, "nanosec": 0},
+    json!({"seq": 31, "event": "loop_found", "map_version": 412, "time": second(1_782_907_200),
         "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b"})
 }
 

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{TURNED, list, list_at, second, transform, with};
 use crate::api::settings::MapSettings;
 use crate::domain::settings::Settings;
 
@@ -24,26 +25,22 @@ pub fn map_patch() -> Value {
 
 /// Returns a map.
 pub fn map() -> Value {
-    json!({
+    let members = json!({
         "id": "tower",
         "map_version": 412,
-        "description": "Ninth floor of the tower",
-        "metric": true,
-        "gravity": [0.0, 1.0, 0.0],
-        "anchor_classes": ["door_number"],
-        "code_classes": ["asset_tag"],
         "settings": MapSettings::from(&Settings::default()),
         "keyframes": 120,
         "anchors": 24,
         "sessions": 2,
         "loops": 1,
         "bytes": 5_242_880, "numbering": {"door_number": ["#.99"]}, "twins": []
-    })
+    });
+    with(map_body(), members)
 }
 
 /// Maps.
 pub fn maps() -> Value {
-    json!({"items": [map()], "next_cursor": null})
+    list([map()])
 }
 
 /// Returns the map's version.
@@ -53,24 +50,17 @@ pub fn map_version() -> Value {
 
 /// Returns the sessions of a map: a plan's frame, and a robot's run that is aligned to it.
 pub fn sessions() -> Value {
-    json!({
-        "map_version": 413,
-        "items": [
-            {"session": "plan:9", "keyframes": 0, "priors": 42},
-            {
-                "session": "robot-7", "keyframes": 120,
-                "first": {"sec": 1_760_000_000, "nanosec": 0}, "last": {"sec": 1_760_000_240, "nanosec": 500_000_000},
-                "frame": "plan:9",
-                "plan_from_session": {
-                    "translation": {"x": 12.0, "y": 3.5, "z": 0.0},
-                    "rotation": {"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8}
-                },
-                "inliers": 5,
-                "uncertainty": {"translation_m": 0.21, "rotation_rad": 0.018}
-            }
-        ],
-        "next_cursor": null
-    })
+    let robot = json!({
+        "session": "robot-7",
+        "keyframes": 120,
+        "first": second(1_760_000_000),
+        "last": {"sec": 1_760_000_240, "nanosec": 500_000_000},
+        "frame": "plan:9",
+        "plan_from_session": transform([12.0, 3.5, 0.0], TURNED),
+        "inliers": 5,
+        "uncertainty": {"translation_m": 0.21, "rotation_rad": 0.018}
+    });
+    list_at(413, [json!({"session": "plan:9", "keyframes": 0, "priors": 42}), robot])
 }
 
 /// Returns a release to be published.
@@ -84,16 +74,16 @@ pub fn release() -> Value {
         "name": "2026-11",
         "description": "After the November survey",
         "map_version": 412,
-        "published": {"sec": 1_763_800_000, "nanosec": 0},
+        "published": second(1_763_800_000),
         "keyframes": 120, "anchors": 24, "sessions": 2, "loops": 1,
         "bytes": 5_242_880, "erasures": 0,
-        "asked_by": [{"session": "robot-7", "queries": 311, "last": {"sec": 1_764_000_000, "nanosec": 0}}]
+        "asked_by": [{"session": "robot-7", "queries": 311, "last": second(1_764_000_000)}]
     })
 }
 
 /// Releases of a map.
 pub fn releases() -> Value {
-    json!({"items": [release()], "next_cursor": null})
+    list([release()])
 }
 
 /// Returns what changed since a release.
@@ -121,7 +111,7 @@ pub fn erasure_body() -> Value {
 pub fn erasure() -> Value {
     json!({
         "id": "e-1", "state": "done", "keyframes": 120, "releases": 1,
-        "begun": {"sec": 1_764_000_000, "nanosec": 0}, "ended": {"sec": 1_764_000_007, "nanosec": 0},
+        "begun": second(1_764_000_000), "ended": second(1_764_000_007),
         "older_backups": ["nightly-2026-11-24"]
     })
 }

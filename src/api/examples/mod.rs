@@ -5,14 +5,17 @@
 mod anchors;
 mod judgements;
 mod keyframes;
+mod keys;
 mod location;
 mod loops;
 mod maps;
 mod operations;
+mod parts;
 
 pub use anchors::*;
 pub use judgements::*;
 pub use keyframes::*;
+pub use keys::*;
 pub use location::*;
 pub use loops::*;
 pub use maps::*;

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::parts::{list, second, with};
 use crate::api::usage::Usage;
 
 /// Usage.
@@ -17,7 +18,7 @@ pub fn backup_body() -> Value {
 fn backup() -> Value {
     json!({
         "id": "before-the-upgrade",
-        "created": {"sec": 1_793_000_000, "nanosec": 0},
+        "created": second(1_793_000_000),
         "bytes": 73_400_320,
         "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
         "schema": 2,
@@ -29,14 +30,12 @@ fn backup() -> Value {
 
 /// A backup was taken.
 pub fn backup_taken() -> Value {
-    let mut taken = backup();
-    taken["removed"] = json!(["b-1792000000"]);
-    taken
+    with(backup(), json!({"removed": ["b-1792000000"]}))
 }
 
 /// Backups.
 pub fn backups() -> Value {
-    json!({"items": [backup()], "next_cursor": null})
+    list([backup()])
 }
 
 /// The process is alive.
@@ -57,21 +56,4 @@ pub fn version() -> Value {
 /// Returns the beginning of the API document.
 pub fn document() -> Value {
     json!({"openapi": "3.1.0", "info": {"title": "Revisit", "version": "0.1.0"}, "paths": {}})
-}
-
-/// Returns a refusal.
-pub fn problem() -> Value {
-    json!({
-        "type": "/docs#problem-invalid",
-        "title": "The body does not mean what it should",
-        "status": 422,
-        "detail": "2 fields are wrong",
-        "code": "invalid",
-        "request_id": "6c0f2a9e51d34b77-1f",
-        "errors": [
-            {"pointer": "/pose/rotation", "detail": "not a unit quaternion: its norm is 0",
-             "got": "an object of 4 fields", "limit": "a norm of 1, within 1 %"},
-            {"pointer": "/stamp", "detail": "the field is required"}
-        ]
-    })
 }

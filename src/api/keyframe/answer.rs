@@ -5,17 +5,16 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::global_descriptor::GlobalDescriptorShape;
-use super::keypoint::KeypointShape;
 use super::original::is_named;
 use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
-use crate::api::decoding::base64::Base64;
 use crate::api::names::{AnchorStateName, IgnoredReasonName};
+use crate::api::shown::Shown;
 use crate::api::space::{Time, Transform};
 use crate::api::verdict::LoopAnswer;
 use crate::domain::anchor::{AnchorState, Outcome};
 use crate::domain::bow::BowVector;
 use crate::domain::ids::KeyframeId;
-use crate::domain::keyframe::{Detection, Features};
+use crate::domain::keyframe::Detection;
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::geometry::Gravity;
 
@@ -25,7 +24,7 @@ const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the r
     covisibility_max_way_m";
 
 /// A keyframe is stored.
-#[answer]
+#[answer(of = KeyframeReport)]
 pub struct KeyframeAnswer {
     /// Its id.
     pub keyframe: String,
@@ -34,11 +33,13 @@ pub struct KeyframeAnswer {
     /// How many keyframes are covisible with it.
     pub covisible: usize,
     /// The consequence of it, where nothing joins it with the others of its session; else left out.
+    #[is(of.is_cut_off.then(|| CUT_OFF.to_owned()))]
     pub notice: Option<String>,
     /// What became of its detections, in their order.
     pub detections: Vec<OutcomeView>,
     /// The answer to the loop query, if the request asked it.
     #[serde(rename = "loop")]
+    #[is(None)]
     pub loop_answer: Option<LoopAnswer>,
 }
 
@@ -156,29 +157,18 @@ pub struct KeyframeLine {
 }
 
 /// A keyframe that is covisible with another.
-#[answer]
+#[answer(of = (KeyframeId, u32))]
 pub struct CovisibleView {
     /// The other keyframe.
+    #[from(of.0)]
     pub keyframe: String,
     /// How many map points they share: by observation, or as declared.
+    #[from(of.1)]
     pub shared: u32,
 }
 
-impl From<KeyframeReport> for KeyframeAnswer {
-    fn from(report: KeyframeReport) -> Self {
-        Self {
-            keyframe: report.keyframe.to_string(),
-            map_version: report.map_version,
-            covisible: report.covisible,
-            notice: report.is_cut_off.then(|| CUT_OFF.to_owned()),
-            detections: report.detections.into_iter().map(OutcomeView::from).collect(),
-            loop_answer: None,
-        }
-    }
-}
-
-impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
-    fn from((outcome, state): (Outcome, Option<AnchorState>)) -> Self {
+impl Shown<(Outcome, Option<AnchorState>)> for OutcomeView {
+    fn shown((outcome, state): (Outcome, Option<AnchorState>)) -> Self {
         let (outcome, anchor, reason) = match outcome {
             Outcome::Created(anchor) => (OutcomeName::Created, Some(anchor.public()), None),
             Outcome::Observed(anchor) => (OutcomeName::Observed, Some(anchor.public()), None),
@@ -207,9 +197,9 @@ impl KeyframeView {
             },
             global_descriptor: keyframe.global_descriptor.map(Into::into),
             features: keyframe.features.map(FeaturesShape::from),
-            map_points: keyframe.map_points.into(),
+            map_points: Shown::shown(keyframe.map_points),
             observes: keyframe.observes,
-            covisible: keyframe.covisible.into_iter().flatten().map(CovisibleShape::from).collect(),
+            covisible: Shown::shown(keyframe.covisible.unwrap_or_default()),
             covisible_total: covisible,
             detections: (keyframe.detections.into_iter().zip(outcomes).zip(has_crop))
                 .map(|(detection, has_crop)| DetectionView { has_crop, ..detection.into() })
@@ -220,7 +210,7 @@ impl KeyframeView {
 
 impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
     fn from((detection, outcome): (Detection, (Outcome, Option<AnchorState>))) -> Self {
-        let OutcomeView { anchor, outcome, reason, state } = outcome.into();
+        let OutcomeView { anchor, outcome, reason, state } = OutcomeView::shown(outcome);
         Self {
             class: detection.class,
             confidence: detection.confidence,
@@ -239,18 +229,6 @@ impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
     }
 }
 
-impl From<(KeyframeId, u32)> for CovisibleView {
-    fn from((keyframe, shared): (KeyframeId, u32)) -> Self {
-        Self { keyframe: keyframe.to_string(), shared }
-    }
-}
-
-impl From<(KeyframeId, u32)> for CovisibleShape {
-    fn from((keyframe, shared): (KeyframeId, u32)) -> Self {
-        Self { keyframe, shared }
-    }
-}
-
 impl From<&BowVector> for BowShape {
     fn from(bow: &BowVector) -> Self {
         // Ten decimals: one unit of 2^-31 is 4.7e-10, and no word's weight may become zero.
@@ -259,17 +237,6 @@ impl From<&BowVector> for BowShape {
             words: bow.words().to_vec(),
             weights: bow.weights().iter().map(|&units| shown(units)).collect(),
             vocabulary: None,
-        }
-    }
-}
-
-impl From<Features> for FeaturesShape {
-    fn from(features: Features) -> Self {
-        Self {
-            descriptor_bytes: features.descriptor_bytes as u32,
-            descriptors: Base64(features.descriptors),
-            keypoints: features.keypoints.into_iter().map(KeypointShape).collect(),
-            map_points: Some(features.map_points.iter().map(|point| point.unwrap_or(-1)).collect()),
         }
     }
 }

@@ -1,9 +1,7 @@
 //! A keyframe read out of JSON, with every fault in it.
 
 use super::digest;
-use super::shape::{
-    CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName,
-};
+use super::shape::{CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName};
 use crate::api::decoding::document::{Json, Kind};
 use crate::api::decoding::read::{self, Members as _, Node, Object};
 use crate::api::limits;
@@ -176,12 +174,6 @@ impl From<FeaturesShape> for Features {
             map_points: shape.map_points.map_or_else(|| vec![None; keypoints.len()], observed),
             keypoints,
         }
-    }
-}
-
-impl From<CameraShape> for Camera {
-    fn from(CameraShape { fx, fy, cx, cy, width, height }: CameraShape) -> Self {
-        Self { fx, fy, cx, cy, width, height }
     }
 }
 

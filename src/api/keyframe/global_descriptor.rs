@@ -11,7 +11,7 @@ use crate::domain::ids::GlobalModelId;
 
 /// One vector of a whole image, by a model that the client ran. The first one of a map decides: all of them have one model, one
 /// encoding and one size.
-#[body]
+#[body(of = GlobalDescriptor)]
 #[schema(as = GlobalDescriptor)]
 pub struct GlobalDescriptorShape {
     /// The model that computed it, with all that changes its numbers, such as a version.
@@ -22,13 +22,8 @@ pub struct GlobalDescriptorShape {
     /// The numbers one after the other, in base64: 1 to 1,056 bytes.
     #[schema(value_type = String, min_length = 2, max_length = 1_408)]
     #[read(data)]
+    #[is(Base64(of.data.into()))]
     pub data: Base64,
-}
-
-impl From<GlobalDescriptor> for GlobalDescriptorShape {
-    fn from(GlobalDescriptor { model, encoding, data }: GlobalDescriptor) -> Self {
-        Self { model, encoding: encoding.into(), data: Base64(data.into()) }
-    }
 }
 
 impl From<GlobalDescriptorShape> for GlobalDescriptor {

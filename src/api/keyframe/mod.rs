@@ -26,9 +26,8 @@ pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed};
 pub(super) use decode::{ascending, others_than};
 pub use global_descriptor::GlobalDescriptorShape;
 pub use keypoint::KeypointShape;
-pub(super) use original::filled;
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, Keyframe, KeyframeBody,
     PointsShape, RangeName, SentBagOfWords, SentFeatures, SentMapPoints,
 };
-pub(super) use shape::{covisible, features, named_once};
+pub(super) use shape::{covisible, features, filled, named_once};

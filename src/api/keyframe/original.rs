@@ -2,14 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::crop::CropShape;
-use super::shape::{
-    BowShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName,
-};
+use super::shape::{BowShape, FeaturesShape, KeyframeBody, PointsShape, filled};
+use crate::api::shown::Shown;
 use crate::api::space::Position;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::PointId;
-use crate::domain::keyframe::{CLIENTS_VOCABULARY, Detection, NewKeyframe};
+use crate::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
 use crate::geometry::Point3;
 
 impl From<NewKeyframe> for KeyframeBody {
@@ -35,10 +33,10 @@ impl From<NewKeyframe> for KeyframeBody {
                 let shape = FeaturesShape::from(features);
                 FeaturesShape { map_points: shape.map_points.filter(|_| !named.is_empty()), ..shape }
             }),
-            map_points: (!map_points.is_empty()).then(|| map_points.into()),
+            map_points: Shown::shown(filled(map_points)),
             observes: filled(observes),
-            covisible: covisible.map(|listed| listed.into_iter().map(CovisibleShape::from).collect()),
-            detections: filled(keyframe.detections.into_iter().map(DetectionShape::from).collect()),
+            covisible: Shown::shown(covisible),
+            detections: Shown::shown(filled(keyframe.detections)),
         }
     }
 }
@@ -46,10 +44,6 @@ impl From<NewKeyframe> for KeyframeBody {
 /// Whether a vocabulary has a name; words that came without one go without one.
 pub(super) fn is_named(vocabulary: &String) -> bool {
     vocabulary != CLIENTS_VOCABULARY
-}
-
-pub(in crate::api) fn filled<T>(list: Vec<T>) -> Option<Vec<T>> {
-    (!list.is_empty()).then_some(list)
 }
 
 /// Writes weights that are normalised to the same vector: as answers show them if that does, else every digit.
@@ -64,25 +58,9 @@ fn exactly(bow: &BowVector, vocabulary: Option<String>) -> BowShape {
     BowShape { words: shown.words, weights, vocabulary }
 }
 
-impl From<Vec<(PointId, Point3)>> for PointsShape {
-    fn from(points: Vec<(PointId, Point3)>) -> Self {
+impl Shown<Vec<(PointId, Point3)>> for PointsShape {
+    fn shown(points: Vec<(PointId, Point3)>) -> Self {
         let (ids, positions) = points.into_iter().map(|(id, at)| (id, Position(at.coords.into()))).unzip();
         Self { ids, positions }
-    }
-}
-
-impl From<Detection> for DetectionShape {
-    fn from(detection: Detection) -> Self {
-        Self {
-            class: detection.class,
-            confidence: detection.confidence,
-            box_px: detection.box_px,
-            map_points: filled(detection.map_points),
-            position: detection.position_in_session.map(|at| [at.x, at.y, at.z]),
-            range: detection.range_assumed.then_some(RangeName::Assumed),
-            text: detection.text,
-            description: detection.description,
-            crop: detection.crop.map(CropShape),
-        }
     }
 }

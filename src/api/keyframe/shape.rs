@@ -16,11 +16,12 @@ use crate::api::limits;
 use crate::api::space::{Position, Time, Transform};
 use crate::domain::counted::counted;
 use crate::domain::ids::{KeyframeId, SessionId};
-use crate::domain::keyframe::Camera;
+use crate::domain::keyframe::{Camera, Detection, Features};
 use crate::geometry::Gravity;
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
 #[body(sent Keyframe)]
+#[derive(Default)]
 #[schema(as = KeyframeLists)]
 pub struct KeyframeBody {
     /// One robot's run: its own frame and its own numbering of map points.
@@ -69,26 +70,12 @@ pub struct KeyframeBody {
 impl KeyframeBody {
     /// Returns a keyframe of which nothing is known but when and where it was taken.
     pub fn at(stamp: Time, pose: Transform) -> Self {
-        Self {
-            session: None,
-            stamp,
-            pose,
-            camera: None,
-            gravity: None,
-            height_m: None,
-            bow: None,
-            global_descriptor: None,
-            features: None,
-            map_points: None,
-            observes: None,
-            covisible: None,
-            detections: None,
-        }
+        Self { stamp, pose, ..Self::default() }
     }
 }
 
 /// A pinhole camera; keypoints and boxes are undistorted too.
-#[body(of = Camera)]
+#[body(same Camera, of = Camera)]
 #[derive(Copy)]
 #[schema(as = Camera)]
 pub struct CameraShape {
@@ -132,25 +119,29 @@ pub struct BowShape {
 }
 
 /// Binary features: three lists in parallel.
-#[body(sent SentFeatures)]
+#[body(sent SentFeatures, of = Features)]
 #[schema(as = Features)]
 pub struct FeaturesShape {
     /// Bytes of one descriptor: 32 for ORB, 64 for BRISK.
     #[schema(minimum = 8, maximum = 512, multiple_of = 8)]
     #[read(descriptor_bytes)]
+    #[is(of.descriptor_bytes as u32)]
     pub descriptor_bytes: u32,
     /// The descriptors one after the other, in base64.
     #[schema(value_type = String, max_length = 13_653_336)]
+    #[is(Base64(of.descriptors))]
     pub descriptors: Base64,
     /// One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid level and degrees. Packed,
     /// an angle that is not a number is none.
     #[schema(max_items = 20000, inline)]
     #[column(keypoints_f32, F32, 4)]
+    #[is(of.keypoints.into_iter().map(KeypointShape).collect())]
     pub keypoints: Vec<KeypointShape>,
     /// The map point that each feature observes, -1 for none; left out if none does.
     #[schema(max_items = 20000, minimum = -1)]
     #[column(map_points_i64, I64)]
     #[parallel(keypoints)]
+    #[is(Some(of.map_points.iter().map(|point| point.unwrap_or(-1)).collect()))]
     pub map_points: Option<Vec<i64>>,
 }
 
@@ -172,14 +163,16 @@ pub struct PointsShape {
 }
 
 /// A covisible keyframe as a client declares it.
-#[body]
+#[body(of = (KeyframeId, u32))]
 #[schema(as = CovisibleKeyframe)]
 pub struct CovisibleShape {
     /// The other keyframe; it must exist.
     #[id]
+    #[from(of.0)]
     pub keyframe: KeyframeId,
     /// How many map points the two share; it counts whatever it is.
     #[schema(value_type = i64, minimum = 0, maximum = 4_294_967_295_i64)]
+    #[from(of.1)]
     pub shared: u32,
 }
 
@@ -194,7 +187,7 @@ pub enum RangeName {
 }
 
 /// An object detected in a keyframe.
-#[body]
+#[body(of = Detection)]
 #[schema(as = Detection)]
 pub struct DetectionShape {
     /// The object's class, such as `door_number`; printable.
@@ -210,14 +203,17 @@ pub struct DetectionShape {
     pub box_px: [f64; 4],
     /// The map points that the box covers: the object's place.
     #[schema(max_items = 100_000, minimum = 0)]
+    #[from(filled(of.map_points))]
     pub map_points: Option<Vec<i64>>,
     /// Where the object stands in the session's frame, in metres; serves where it has no map points.
     #[schema(min_items = 3, max_items = 3, minimum = -1e9, maximum = 1e9)]
+    #[from(of.position_in_session)]
     pub position: Option<[f64; 3]>,
     /// `assumed` if nothing measured the distance of `position`, say where it rests on the height that letters have as a rule:
     /// then only its bearing counts. Left out, it was measured.
     #[schema(inline)]
     #[read(range)]
+    #[is(of.range_assumed.then_some(RangeName::Assumed))]
     pub range: Option<RangeName>,
     /// What a reader made of it.
     #[schema(max_length = 4096)]
@@ -227,7 +223,13 @@ pub struct DetectionShape {
     pub description: Option<String>,
     /// The image inside the box, PNG or JPEG of at most 4 MiB, in base64.
     #[schema(value_type = Option<String>, max_length = 5_592_408)]
+    #[is(of.crop.map(CropShape))]
     pub crop: Option<CropShape>,
+}
+
+/// Returns a list that is left out where nothing is in it.
+pub(in crate::api) fn filled<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
 }
 
 /// Reads the covisible keyframes, none of them twice.

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::api::geometry::{GeometryModel, GeometryView};
+use crate::api::geometry::{GeometryModel, GeometryView, Similarity};
+use crate::api::space::Transform;
 use crate::domain::verdict::GeometryStatus;
 use crate::geometry::Pose;
 
@@ -49,10 +50,9 @@ impl MeasuredLoop {
         if geometry.status.0 != GeometryStatus::Verified || !full {
             return None;
         }
-        let found = geometry.candidate_from_query?;
-        let (t, q) = (found.translation, found.rotation);
-        let candidate_from_query = Pose::new([t.x, t.y, t.z], [q.x, q.y, q.z, q.w])?;
+        let Similarity { scale, translation, rotation } = geometry.candidate_from_query?;
+        let candidate_from_query = Transform { translation, rotation }.pose()?;
         let covariance = geometry.covariance.and_then(|rows| <[f64; 36]>::try_from(rows.as_slice()).ok());
-        Some(Self { candidate_from_query, scale: found.scale, covariance })
+        Some(Self { candidate_from_query, scale, covariance })
     }
 }

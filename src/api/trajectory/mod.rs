@@ -25,16 +25,8 @@ pub enum TrajectoryFormat {
 }
 
 impl TrajectoryFormat {
-    /// The formats' names.
-    pub const NAMES: [&str; 3] = ["tum", "kitti", "g2o"];
-
-    /// Returns the format of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Tum, Self::Kitti, Self::G2o]
-            .into_iter()
-            .zip(Self::NAMES)
-            .find_map(|(it, its)| (its == name).then_some(it))
-    }
+    /// The formats by name.
+    pub const NAMED: [(&str, Self); 3] = [("tum", Self::Tum), ("kitti", Self::Kitti), ("g2o", Self::G2o)];
 }
 
 /// Writes a trajectory; `measured` are the transformations of its loops, which only g2o takes.

@@ -5,12 +5,13 @@
 //! is stalled, the new one is rejected.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tokio::time::Instant;
 
 use super::connection_limit::ConnectionSlot;
+use crate::engine::lock::lock;
 
 /// A client that has received a piece within this time keeps its response.
 const STALLED_AFTER: Duration = Duration::from_secs(1);
@@ -52,7 +53,7 @@ impl AnswerMemory {
 
     /// Reserves memory for a response, and returns the number of stalled connections closed for it.
     pub fn take(self: &Arc<Self>, bytes: usize, slot: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
-        let mut held = self.lock();
+        let mut held = lock(&self.held);
         let mut evictions = 0;
         // A response larger than the whole memory is sent while it is the only one.
         while held.bytes > 0 && held.bytes.saturating_add(bytes) > self.most {
@@ -70,11 +71,6 @@ impl AnswerMemory {
         let number = held.add(Leaving { bytes, taken: Instant::now(), slot: slot.clone() });
         (Some(Share { memory: self.clone(), number }), evictions)
     }
-
-    fn lock(&self) -> MutexGuard<'_, Holders> {
-        // The numbers are consistent after each operation, so a poisoned lock is usable.
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl Holders {
@@ -88,7 +84,7 @@ impl Holders {
 impl Share {
     /// Records that the client has received a piece.
     pub fn taken(&mut self) {
-        let mut held = self.memory.lock();
+        let mut held = lock(&self.memory.held);
         if let Some(leaving) = held.answers.remove(&self.number) {
             self.number = held.add(Leaving { taken: Instant::now(), ..leaving });
         }
@@ -97,7 +93,7 @@ impl Share {
 
 impl Drop for Share {
     fn drop(&mut self) {
-        let mut held = self.memory.lock();
+        let mut held = lock(&self.memory.held);
         // An evicted one has already been removed.
         if let Some(leaving) = held.answers.remove(&self.number) {
             held.bytes -= leaving.bytes;
@@ -112,7 +108,7 @@ mod tests {
 
     /// Backdates all responses, as if their clients had been stalled for this long.
     fn age(memory: &AnswerMemory, by: Duration) {
-        for leaving in memory.lock().answers.values_mut() {
+        for leaving in lock(&memory.held).answers.values_mut() {
             leaving.taken = leaving.taken.checked_sub(by).unwrap();
         }
     }
@@ -136,7 +132,7 @@ mod tests {
         drop((second, third));
         assert!(take(half, &c).is_some());
         drop(first);
-        assert_eq!(memory.lock().bytes, 0);
+        assert_eq!(lock(&memory.held).bytes, 0);
         assert!(take(5 << 20, &a).is_some(), "alone, an answer may be larger");
     }
 }

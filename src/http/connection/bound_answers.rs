@@ -31,9 +31,9 @@ pub async fn bound_answers(State(app): State<App>, request: Request, next: Next)
     let length = response.body().size_hint().exact().filter(|length| *length > UNCOUNTED_BYTES);
     let (Some(slot), Some(length)) = (slot, length) else { return response };
     let (share, evictions) = app.answers.take(length as usize, &slot);
-    (0..evictions).for_each(|_| app.metrics.shed_metrics.connection("evicted"));
+    (0..evictions).for_each(|_| app.metrics.connection("evicted"));
     let Some(share) = share else {
-        app.metrics.shed_metrics.shed("answer");
+        app.metrics.shed("answer");
         let detail = "responses not yet received by other clients use all of the memory for responses";
         return Problem::overloaded(detail).into_response();
     };

@@ -6,10 +6,12 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 use tokio::time::Instant;
+
+use crate::engine::lock::lock;
 
 /// The slots of a server.
 #[derive(Debug)]
@@ -73,7 +75,7 @@ impl ConnectionSlots {
         if let Ok(permit) = self.free.clone().try_acquire_owned() {
             return SlotClaim::Free(permit);
         }
-        match self.lock().pop_first() {
+        match lock(&self.waiting).pop_first() {
             Some((_, told)) => {
                 told.notify_one();
                 SlotClaim::Instead
@@ -110,26 +112,21 @@ impl ConnectionSlots {
 
     fn waits(&self, told: &Arc<Notify>, idle: bool) -> Phase {
         let number = self.next.fetch_add(1, Ordering::Relaxed);
-        self.lock().insert(number, told.clone());
+        lock(&self.waiting).insert(number, told.clone());
         Phase::Waits { idle, since: Instant::now(), number }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<u64, Arc<Notify>>> {
-        // The map is consistent after each operation, so a poisoned lock is usable.
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl ConnectionSlot {
     /// Returns the connection's activity.
     pub fn phase(&self) -> Phase {
-        *self.lock()
+        *lock(&self.phase)
     }
 
     /// Records the first bytes of a request. The connection keeps its position in the eviction order, because a byte
     /// now and then must not protect it from eviction.
     pub fn on_read(&self) {
-        if let Phase::Waits { idle: idle @ true, since, .. } = &mut *self.lock() {
+        if let Phase::Waits { idle: idle @ true, since, .. } = &mut *lock(&self.phase) {
             (*idle, *since) = (false, Instant::now());
         }
     }
@@ -137,7 +134,7 @@ impl ConnectionSlot {
     /// Records that some of a response was received. This restarts the idle time, but keeps the position in the
     /// eviction order.
     pub fn speaks(&self) {
-        if let Phase::Waits { idle: true, since, .. } = &mut *self.lock() {
+        if let Phase::Waits { idle: true, since, .. } = &mut *lock(&self.phase) {
             *since = Instant::now();
         }
     }
@@ -150,15 +147,15 @@ impl ConnectionSlot {
     /// Records that a request has arrived.
     pub fn works(&self) {
         self.requests.fetch_add(1, Ordering::Relaxed);
-        let was = std::mem::replace(&mut *self.lock(), Phase::Works);
+        let was = std::mem::replace(&mut *lock(&self.phase), Phase::Works);
         if let Phase::Waits { number, .. } = was {
-            self.slots.lock().remove(&number);
+            lock(&self.slots.waiting).remove(&number);
         }
     }
 
     /// Records that the response has been sent.
     pub fn rests(&self) {
-        let mut phase = self.lock();
+        let mut phase = lock(&self.phase);
         if matches!(*phase, Phase::Works) {
             *phase = self.slots.waits(&self.told, true);
         }
@@ -172,11 +169,6 @@ impl ConnectionSlot {
     /// Resolves when the connection is evicted.
     pub async fn close_requested(&self) {
         self.told.notified().await;
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Phase> {
-        // The value is only replaced as a whole, so a poisoned lock is usable.
-        self.phase.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -1,7 +1,8 @@
 //! I/O timeouts: limits on the time that a connection waits for its client.
 //!
 //! hyper's own timer for heads also runs on idle connections, and it has none for responses that are not read. The
-//! stream therefore reports reads and writes to the slot, and times its writes itself.
+//! stream therefore reports reads and writes to the slot, and times its writes itself. What it writes goes through
+//! [`ProtocolErrors`].
 //!
 //! Closing a connection with unread bytes resets it, and loses a response in transit. Closing therefore lingers: after
 //! the last response, the stream reads and discards input until the client closes.
@@ -14,9 +15,11 @@ use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep_until};
 
 use super::connection_limit::{ConnectionSlot, Phase};
+use super::protocol_errors::ProtocolErrors;
 use crate::api::limits;
 use crate::config::limits::LimitArgs;
 
@@ -46,10 +49,11 @@ pub async fn overdue(seat: &ConnectionSlot, limits: &LimitArgs) {
     }
 }
 
-/// A stream with the timeouts of its server.
-pub struct TimeoutStream<S> {
-    stream: S,
+/// A stream with the timeouts of its server, on which every error response has a problem document.
+pub struct TimeoutStream {
+    stream: TcpStream,
     seat: Arc<ConnectionSlot>,
+    protocol_errors: ProtocolErrors,
     stall: Duration,
     writing: Option<Pin<Box<Sleep>>>,
     lingering: Option<Linger>,
@@ -62,10 +66,11 @@ struct Linger {
     left: usize,
 }
 
-impl<S> TimeoutStream<S> {
+impl TimeoutStream {
     /// Returns the stream of the connection on this slot.
-    pub fn new(stream: S, seat: Arc<ConnectionSlot>, limits: &LimitArgs) -> Self {
-        Self { stream, seat, stall: limits.stall_timeout, writing: None, lingering: None }
+    pub fn new(stream: TcpStream, seat: Arc<ConnectionSlot>, limits: &LimitArgs) -> Self {
+        let (protocol_errors, stall) = (ProtocolErrors::default(), limits.stall_timeout);
+        Self { stream, seat, protocol_errors, stall, writing: None, lingering: None }
     }
 
     /// Starts or clears the write timer.
@@ -86,7 +91,7 @@ impl<S> TimeoutStream<S> {
     }
 }
 
-impl<S: AsyncRead + Unpin> AsyncRead for TimeoutStream<S> {
+impl AsyncRead for TimeoutStream {
     fn poll_read(
         mut self: Pin<&mut Self>,
         cx: &mut Context<'_>,
@@ -101,10 +106,9 @@ impl<S: AsyncRead + Unpin> AsyncRead for TimeoutStream<S> {
     }
 }
 
-impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for TimeoutStream<S> {
-    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
-        let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
-        self.watch_writing(cx, written)
+impl AsyncWrite for TimeoutStream {
+    fn poll_write(self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        self.poll_write_vectored(cx, &[io::IoSlice::new(bytes)])
     }
 
     fn poll_write_vectored(
@@ -112,7 +116,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for TimeoutStream<S> {
         cx: &mut Context<'_>,
         slices: &[io::IoSlice<'_>],
     ) -> Poll<io::Result<usize>> {
-        let written = Pin::new(&mut self.stream).poll_write_vectored(cx, slices);
+        let Self { stream, seat, protocol_errors, .. } = &mut *self;
+        let written = protocol_errors.poll_write(Pin::new(stream), seat, cx, slices);
         self.watch_writing(cx, written)
     }
 
@@ -121,7 +126,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for TimeoutStream<S> {
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_flush(cx)
+        let Self { stream, seat, protocol_errors, .. } = &mut *self;
+        protocol_errors.flushed(seat);
+        Pin::new(stream).poll_flush(cx)
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
@@ -145,7 +152,7 @@ impl Linger {
     }
 
     /// Reads and discards until the client closes or its time is over.
-    fn poll<S: AsyncRead + Unpin>(&mut self, stream: &mut S, cx: &mut Context<'_>) -> Poll<()> {
+    fn poll(&mut self, stream: &mut TcpStream, cx: &mut Context<'_>) -> Poll<()> {
         let mut forgotten = [MaybeUninit::uninit(); 8 << 10];
         loop {
             let mut buffer = ReadBuf::uninit(&mut forgotten);

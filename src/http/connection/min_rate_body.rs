@@ -4,8 +4,6 @@
 //! stored is not limited. A gigabyte over a slow link may take hours, but an occasional byte does not keep a request
 //! open.
 
-use std::error::Error;
-use std::fmt;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
@@ -46,16 +44,9 @@ impl MinRate {
 }
 
 /// The body arrived too slowly.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("the body arrived too slowly")]
 pub struct TooSlow;
-
-impl fmt::Display for TooSlow {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the body arrived too slowly")
-    }
-}
-
-impl Error for TooSlow {}
 
 /// A timed body.
 pub struct MinRateBody {

@@ -6,7 +6,6 @@ use axum::body::Bytes;
 use hyper::body::Frame;
 
 pub mod answer_memory;
-pub mod body_completion;
 pub mod bound_answers;
 pub mod connection_limit;
 pub mod io_timeout;

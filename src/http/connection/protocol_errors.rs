@@ -5,11 +5,12 @@
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
-use std::sync::Arc;
 use std::task::{Context, Poll, ready};
 
 use axum::http::StatusCode;
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use bytes::{Buf as _, Bytes};
+use tokio::io::AsyncWrite as _;
+use tokio::net::TcpStream;
 
 use super::connection_limit::{ConnectionSlot, Phase};
 use crate::http::envelope::{REQUEST_ID, RequestId};
@@ -18,44 +19,43 @@ use crate::http::problem::{Kind, Problem};
 /// Position of the status: `HTTP/1.1 400 `.
 const STATUS: std::ops::Range<usize> = 9..12;
 
-/// A stream on which every error response has a problem document.
-pub struct ProtocolErrors<S> {
-    stream: S,
-    seat: Arc<ConnectionSlot>,
+/// Writes what hyper writes, but its own error responses with a problem document.
+#[derive(Default)]
+pub struct ProtocolErrors {
     /// The number of requests delivered when the last response was completely written.
     settled: u64,
-    instead: Option<Instead>,
+    /// The rest of what replaces a response of hyper's.
+    instead: Option<Bytes>,
 }
 
-/// The replacement of a response of hyper's.
-struct Instead {
-    bytes: Vec<u8>,
-    written: usize,
-}
-
-impl<S> ProtocolErrors<S> {
-    /// Returns the stream of the connection on this slot.
-    pub fn new(stream: S, seat: Arc<ConnectionSlot>) -> Self {
-        Self { stream, seat, settled: 0, instead: None }
+impl ProtocolErrors {
+    /// Notes that hyper has written everything.
+    pub fn flushed(&mut self, seat: &ConnectionSlot) {
+        if matches!(seat.phase(), Phase::Waits { .. }) {
+            self.settled = seat.requests();
+        }
     }
 
-    /// Whether these bytes answer no request.
-    fn is_hypers_own(&self) -> bool {
-        self.instead.is_some() || self.seat.requests() == self.settled
-    }
-}
-
-impl<S: AsyncWrite + Unpin> ProtocolErrors<S> {
-    /// Writes a problem document in place of hyper's response.
-    fn poll_instead(&mut self, cx: &mut Context<'_>, of_hyper: &[IoSlice<'_>]) -> Poll<io::Result<usize>> {
-        let instead = self.instead.get_or_insert_with(|| {
+    /// Writes what hyper writes; a problem document in place of its own response.
+    pub fn poll_write(
+        &mut self,
+        mut stream: Pin<&mut TcpStream>,
+        seat: &ConnectionSlot,
+        cx: &mut Context<'_>,
+        of_hyper: &[IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let answers_no_request = self.instead.is_some() || seat.requests() == self.settled;
+        if !answers_no_request {
+            return stream.poll_write_vectored(cx, of_hyper);
+        }
+        let rest = self.instead.get_or_insert_with(|| {
             let hypers = of_hyper.iter().flat_map(|slice| slice.iter().copied()).collect();
-            Instead { bytes: to_problem(hypers), written: 0 }
+            to_problem(hypers).into()
         });
-        while let Some(rest) = instead.bytes.get(instead.written..).filter(|rest| !rest.is_empty()) {
-            match ready!(Pin::new(&mut self.stream).poll_write(cx, rest))? {
+        while !rest.is_empty() {
+            match ready!(stream.as_mut().poll_write(cx, rest))? {
                 0 => return Poll::Ready(Err(io::ErrorKind::WriteZero.into())),
-                written => instead.written += written,
+                written => rest.advance(written),
             }
         }
         Poll::Ready(Ok(of_hyper.iter().map(|slice| slice.len()).sum()))
@@ -88,50 +88,4 @@ fn to_problem(hypers: Vec<u8>) -> Vec<u8> {
     ];
     let head = kept.chain(ours).collect::<Vec<_>>().join("\r\n");
     [head.into_bytes(), body].concat()
-}
-
-impl<S: AsyncRead + Unpin> AsyncRead for ProtocolErrors<S> {
-    fn poll_read(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        buffer: &mut ReadBuf<'_>,
-    ) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(cx, buffer)
-    }
-}
-
-impl<S: AsyncWrite + Unpin> AsyncWrite for ProtocolErrors<S> {
-    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
-        if self.is_hypers_own() {
-            return self.poll_instead(cx, &[IoSlice::new(bytes)]);
-        }
-        Pin::new(&mut self.stream).poll_write(cx, bytes)
-    }
-
-    fn poll_write_vectored(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        slices: &[IoSlice<'_>],
-    ) -> Poll<io::Result<usize>> {
-        if self.is_hypers_own() {
-            return self.poll_instead(cx, slices);
-        }
-        Pin::new(&mut self.stream).poll_write_vectored(cx, slices)
-    }
-
-    fn is_write_vectored(&self) -> bool {
-        self.stream.is_write_vectored()
-    }
-
-    /// hyper calls this once it has written everything.
-    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        if matches!(self.seat.phase(), Phase::Waits { .. }) {
-            self.settled = self.seat.requests();
-        }
-        Pin::new(&mut self.stream).poll_flush(cx)
-    }
-
-    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_shutdown(cx)
-    }
 }

@@ -21,6 +21,7 @@ use axum::extract::Request;
 use axum::http::HeaderValue;
 use axum::http::header::CONNECTION;
 use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
+use http_body_util::BodyExt as _;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::{GracefulShutdown, Watcher};
@@ -31,10 +32,8 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use tower::ServiceExt as _;
 
-use super::body_completion::CompletionBody;
 use super::connection_limit::{ConnectionSlot, SlotClaim};
 use super::io_timeout::{TimeoutStream, overdue};
-use super::protocol_errors::ProtocolErrors;
 use super::reject_connection;
 use super::sockets;
 use super::unread::Unread;
@@ -153,11 +152,11 @@ impl Connections {
         let claimed = match self.app.slots.claim() {
             SlotClaim::Free(permit) => Some(permit),
             SlotClaim::Instead => {
-                self.app.metrics.shed_metrics.connection("evicted");
+                self.app.metrics.connection("evicted");
                 None
             }
             SlotClaim::Full => {
-                self.app.metrics.shed_metrics.connection("refused");
+                self.app.metrics.connection("refused");
                 if self.complaints.check().is_ok() {
                     tracing::warn!(
                         "all connections are in use, and new ones are rejected (--max-connections)"
@@ -169,7 +168,7 @@ impl Connections {
                 return;
             }
         };
-        self.app.metrics.shed_metrics.connection("accepted");
+        self.app.metrics.connection("accepted");
         let server = self.clone();
         self.open.spawn(async move {
             let Some(seat) = server.app.slots.acquire(claimed).await else { return };
@@ -181,8 +180,7 @@ impl Connections {
         if let Err(error) = sockets::prepare(&stream, self.app.limits.stall_timeout) {
             tracing::debug!(%error, "the options of a connection could not be set");
         }
-        let stream = TimeoutStream::new(stream, seat.clone(), &self.app.limits);
-        let stream = TokioIo::new(ProtocolErrors::new(stream, seat.clone()));
+        let stream = TokioIo::new(TimeoutStream::new(stream, seat.clone(), &self.app.limits));
         let (router, at_work, closing) = (self.router.clone(), seat.clone(), self.closing.clone());
         let answer = hyper::service::service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
             at_work.works();
@@ -196,7 +194,13 @@ impl Connections {
                 if closing.is_cancelled() {
                     response.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
                 }
-                Ok::<_, Infallible>(response.map(|body| CompletionBody::new(body, at_work)))
+                let resting = RestsOnDrop(at_work);
+                // Held as long as the body: until its last byte was sent.
+                let held = move |error| {
+                    let _ = &resting;
+                    error
+                };
+                Ok::<_, Infallible>(response.map(|body| body.map_err(held)))
             }
         });
         let conversation = watcher.watch(self.http.serve_connection(stream, answer));
@@ -207,6 +211,15 @@ impl Connections {
             () = overdue(&seat, &self.app.limits) => tracing::debug!("a client sent no request in time"),
             () = seat.close_requested() => tracing::debug!("a connection was evicted for another"),
         }
+    }
+}
+
+/// Marks a connection as waiting for its next request when this is dropped.
+struct RestsOnDrop(Arc<ConnectionSlot>);
+
+impl Drop for RestsOnDrop {
+    fn drop(&mut self) {
+        self.0.rests();
     }
 }
 

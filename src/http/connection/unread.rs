@@ -5,7 +5,7 @@
 //! that only after the head is sent. The client would notice only when its next request fails.
 
 use std::pin::Pin;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -16,6 +16,7 @@ use http_body_util::BodyExt as _;
 use hyper::body::SizeHint;
 
 use super::PolledFrame;
+use crate::engine::lock::lock;
 
 /// Maximum bytes of a body read after its request was answered; if more follow, the connection is closed.
 const READ_BYTES: u64 = 64 << 10;
@@ -135,9 +136,4 @@ impl HttpBody for Lent {
     fn size_hint(&self) -> SizeHint {
         self.body.size_hint()
     }
-}
-
-fn lock(left: &Mutex<Left>) -> MutexGuard<'_, Left> {
-    // The value is only replaced as a whole, so a poisoned lock is usable.
-    left.lock().unwrap_or_else(PoisonError::into_inner)
 }

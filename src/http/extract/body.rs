@@ -1,7 +1,7 @@
 //! Body: decodes a request's bytes within limits, and large ones off the async threads.
 
 use axum::RequestExt as _;
-use axum::extract::{FromRef, FromRequest, Request};
+use axum::extract::{FromRequest, Request};
 use axum::http::HeaderMap;
 use axum::http::header::{CONTENT_TYPE, EXPECT};
 use bytes::Bytes;
@@ -31,16 +31,12 @@ const SMALL_BODY_BYTES: usize = 96 << 10;
 /// A JSON body, decoded into the model.
 pub struct Body<T>(pub T);
 
-impl<T: Decode + Send + 'static, S: Send + Sync> FromRequest<S> for Body<T>
-where
-    App: FromRef<S>,
-{
+impl<T: Decode + Send + 'static> FromRequest<App> for Body<T> {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        let app = App::from_ref(state);
-        let text = json_text(request, &app).await?;
-        decoded(text, &app, |document| read::decode(document)).await?.map(Self).map_err(Problem::invalid)
+    async fn from_request(request: Request, app: &App) -> Result<Self, Problem> {
+        let text = json_text(request, app).await?;
+        decoded(text, app, |document| read::decode(document)).await?.map(Self).map_err(Problem::invalid)
     }
 }
 
@@ -54,25 +50,18 @@ pub struct KeyframeInPath {
     pub digest: Digest,
 }
 
-impl<S: Send + Sync> FromRequest<S> for KeyframeInPath
-where
-    App: FromRef<S>,
-{
+impl FromRequest<App> for KeyframeInPath {
     type Rejection = Problem;
 
-    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
+    async fn from_request(mut request: Request, app: &App) -> Result<Self, Problem> {
         let place: KeyframePath = request.extract_parts().await?;
-        let app = App::from_ref(state);
-        let text = json_text(request, &app).await?;
         let id = place.keyframe.clone();
         let read = move |document: &Document<'_>| {
             let body = document.root();
             keyframe::named(body, &id).map_err(|faults| Faulty::of(faults, Some(body)))
         };
-        match decoded(text, &app, read).await? {
-            Ok(SentKeyframe { keyframe, digest }) => Ok(Self { place, keyframe, digest }),
-            Err(faulty) => Err(all_faults(&app, &place.map, "", faulty).await),
-        }
+        let SentKeyframe { keyframe, digest } = checked_by_map(request, app, &place.map, "", read).await?;
+        Ok(Self { place, keyframe, digest })
     }
 }
 
@@ -84,23 +73,31 @@ pub struct QueryOfMap {
     pub query: LoopQuery,
 }
 
-impl<S: Send + Sync> FromRequest<S> for QueryOfMap
-where
-    App: FromRef<S>,
-{
+impl FromRequest<App> for QueryOfMap {
     type Rejection = Problem;
 
-    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
+    async fn from_request(mut request: Request, app: &App) -> Result<Self, Problem> {
         let MapPath { map } = request.extract_parts().await?;
-        let app = App::from_ref(state);
-        let text = json_text(request, &app).await?;
         let read = |document: &Document<'_>| {
             read::decode(document).map_err(|faults| Faulty::of(faults, document.root().get("inline")))
         };
-        match decoded(text, &app, read).await? {
-            Ok(query) => Ok(Self { map, query }),
-            Err(faulty) => Err(all_faults(&app, &map, "/inline", faulty).await),
-        }
+        let query = checked_by_map(request, app, &map, "/inline", read).await?;
+        Ok(Self { map, query })
+    }
+}
+
+/// Reads a body with a keyframe at `place`, and tells all of its faults.
+async fn checked_by_map<T: Send + 'static>(
+    request: Request,
+    app: &App,
+    map: &MapId,
+    place: &str,
+    read: impl FnOnce(&Document<'_>) -> Result<T, Faulty> + Send + 'static,
+) -> Result<T, Problem> {
+    let text = json_text(request, app).await?;
+    match decoded(text, app, read).await? {
+        Ok(read) => Ok(read),
+        Err(faulty) => Err(all_faults(app, map, place, faulty).await),
     }
 }
 
@@ -159,7 +156,7 @@ impl Text {
             // What is no JSON is told so: how much of it there is does not matter.
             return syntax::check(&self.bytes).map_err(of_syntax).and(Err(too_dense()));
         }
-        parsed(&self.bytes).map(|document| read(&document))
+        syntax::parse(&self.bytes).map(|document| read(&document)).map_err(of_syntax)
     }
 
     fn inflate(&mut self, memory: &BodyMemory) -> Result<(), Problem> {
@@ -199,12 +196,8 @@ pub async fn decoded<T: Send + 'static>(
 /// Counts a body shed for lack of memory.
 fn count(app: &App, problem: &Problem) {
     if problem.is_overload() {
-        app.metrics.shed_metrics.shed("body");
+        app.metrics.shed("body");
     }
-}
-
-fn parsed(bytes: &[u8]) -> Result<Document<'_>, Problem> {
-    syntax::parse(bytes).map_err(of_syntax)
 }
 
 fn of_syntax(error: Unreadable) -> Problem {

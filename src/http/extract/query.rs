@@ -3,11 +3,11 @@
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use revisit_shapes::params;
-use serde_json::Value;
 
 use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode, Members, Node};
 use crate::api::names::{AnchorStateName, DetailName, ReasonCodeName, VerdictName};
+use crate::api::trajectory::TrajectoryFormat;
 use crate::domain::ids::{ReleaseName, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::request::{AnchorFilter, Detail, PageRequest};
@@ -22,16 +22,15 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the query is not percent-encoded UTF-8");
-        let pairs =
+        let mut pairs =
             axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
         let again = |at: usize| pairs[..at].iter().any(|(name, _)| *name == pairs[at].0);
         if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
             return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
         }
         // Decoded as an object of strings, so that bodies and parameters share one error reporter.
-        let object =
-            Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
-        read::decode(&Document::from(&object)).map(Self).map_err(|mut faults| {
+        pairs.sort_unstable();
+        read::decode(&Document::of_texts(&pairs)).map(Self).map_err(|mut faults| {
             for fault in &mut faults {
                 fault.pointer.replace_range(..fault.pointer.len().min(1), "?");
             }
@@ -148,8 +147,8 @@ pub struct Since {
 pub struct KeyframeParams {
     /// `loop`: return the answer of a loop query in the same round trip.
     #[param(value_type = Option<String>, pattern = "^loop$")]
-    #[read(ask_loop)]
-    pub query: Option<AskLoop>,
+    #[read(|node: &Node<'_>| node.one_of([("loop", ())]))]
+    pub query: Option<()>,
     /// How much of that answer is returned.
     #[param(inline)]
     pub detail: Option<DetailName>,
@@ -170,18 +169,61 @@ impl DetailParams {
     }
 }
 
-/// The only query that a PUT supports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AskLoop;
-
-fn ask_loop(node: &Node<'_>) -> Option<AskLoop> {
-    node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop))
-}
-
 /// Whether the last administrator key may be revoked.
 #[params]
 pub struct LastAdmin {
     /// Revoke the key even if no administrator key is left; then only `revisit keys create` creates one.
     #[param(default = false)]
     pub last_admin: bool,
+}
+
+/// The release that is read, if one was named.
+#[params]
+pub struct ReleaseQuery {
+    /// The release that is read; left out: the map as it stands.
+    #[id]
+    pub release: Option<ReleaseName>,
+}
+
+/// The two versions that are compared.
+#[params]
+pub struct ChangesQuery {
+    /// The release that is the earlier version.
+    #[id]
+    pub since: ReleaseName,
+    /// The release that is the later version; left out: the map as it stands.
+    #[id]
+    pub until: Option<ReleaseName>,
+    /// Maximum number of items of each change.
+    #[param(minimum = 1, maximum = 1000, default = 100)]
+    pub limit: usize,
+}
+
+/// The session in whose frame the others are, if one was chosen.
+#[params]
+pub struct FramesQuery {
+    /// The session in whose frame the others are; left out: the oldest of those that most sessions are joined with.
+    #[id]
+    pub reference: Option<SessionId>,
+}
+
+/// The trajectory to export, and its format.
+#[params]
+pub struct TrajectoryQuery {
+    /// `tum`, `kitti` or `g2o`.
+    #[param(value_type = String, pattern = "^(tum|kitti|g2o)$", example = "tum")]
+    #[read(|node: &Node<'_>| node.one_of(TrajectoryFormat::NAMED))]
+    pub format: TrajectoryFormat,
+    /// Only this session; required for `tum` and `kitti` if the map has several.
+    #[id]
+    #[param(example = "robot-7")]
+    pub session: Option<SessionId>,
+    /// `session`: each session in its own frame, which is the default. `fleet`: all sessions that loops and plans join, in the frame of
+    /// one of them (`GET .../frames`); `tum` and `kitti` then take several sessions, each after a comment with its name; comments name those that nothing joins.
+    #[param(value_type = Option<String>, pattern = "^(session|fleet)$")]
+    #[read(|node: &Node<'_>| node.one_of([("session", false), ("fleet", true)]))]
+    pub frame: Option<bool>,
+    /// With `frame=fleet`, the session in whose frame all are.
+    #[id]
+    pub reference: Option<SessionId>,
 }

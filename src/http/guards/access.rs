@@ -8,7 +8,7 @@ use axum::http::HeaderValue;
 use axum::http::header::{ALLOW, AUTHORIZATION, HOST};
 use axum::http::request::Parts;
 use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::admission::HeldPermit;
 use super::loopback_guard;
@@ -23,20 +23,6 @@ use crate::http::App;
 use crate::http::envelope::no_such_method;
 use crate::http::peers::FORWARDED;
 use crate::http::problem::{Kind, Problem};
-
-/// The reason for a rejection.
-enum Refusal {
-    /// The route lacks the method; it has these.
-    NoSuchMethod(String),
-    /// The caller lacks the permission.
-    Problem(Problem),
-}
-
-impl From<Problem> for Refusal {
-    fn from(problem: Problem) -> Self {
-        Self::Problem(problem)
-    }
-}
 
 /// The caller, for handlers whose permissions depend on more than the route.
 #[derive(Clone, Debug)]
@@ -89,36 +75,36 @@ impl<S: Send + Sync> FromRequestParts<S> for Caller {
 }
 
 /// Middleware that enforces API keys.
-pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> Response {
+pub async fn authorise(
+    State(app): State<App>,
+    request: Request,
+    next: Next,
+) -> axum::response::Result<Response> {
     let (mut parts, body) = request.into_parts();
-    match admitted(&app, &mut parts).await {
-        Ok(caller) => {
-            let key = caller.as_ref().and_then(|caller| caller.0.key());
-            if let Some(caller) = caller {
-                parts.extensions.insert(caller);
-            }
-            for_key(key, next.run(Request::from_parts(parts, body))).await
-        }
-        Err(Refusal::Problem(problem)) => problem.into_response(),
-        Err(Refusal::NoSuchMethod(allowed)) => {
-            let problem = no_such_method(parts.method, parts.uri).await;
-            ([(ALLOW, allowed)], problem).into_response()
-        }
+    let caller = admitted(&app, &mut parts).await?;
+    let key = caller.as_ref().and_then(|caller| caller.0.key());
+    if let Some(caller) = caller {
+        parts.extensions.insert(caller);
     }
+    Ok(for_key(key, next.run(Request::from_parts(parts, body))).await)
 }
 
 /// Authorises a request, and returns its caller if the operation needs one.
-async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusal> {
+async fn admitted(app: &App, parts: &mut Parts) -> axum::response::Result<Option<Caller>> {
     let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    let action = match app.permissions.find(&parts.method, route).map_err(Refusal::NoSuchMethod)? {
-        Permission::Nothing => return Ok(None),
-        Permission::Undeclared => {
+    let action = match app.permissions.find(&parts.method, route) {
+        Err(allowed) => {
+            let problem = no_such_method(parts.method.clone(), parts.uri.clone()).await;
+            return Err(([(ALLOW, allowed)], problem).into());
+        }
+        Ok(Permission::Nothing) => return Ok(None),
+        Ok(Permission::Undeclared) => {
             let detail =
                 "the API document declares no permission for this operation, so it is denied to every caller";
             return Err(Problem::new(Kind::FORBIDDEN, detail).into());
         }
-        Permission::AnyKey => None,
-        Permission::Action(action) => Some(action),
+        Ok(Permission::AnyKey) => None,
+        Ok(Permission::Action(action)) => Some(action),
     };
     // Nobody means it: a web page, or a proxy, has cut it off.
     if parts.headers.get_all(HOST).iter().any(HeaderValue::is_empty) {

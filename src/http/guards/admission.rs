@@ -47,7 +47,7 @@ pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> 
         Some(turn) => Some(Arc::new(turn)),
         None if ALWAYS.contains(&route) => None,
         None => {
-            app.metrics.shed_metrics.shed(what);
+            app.metrics.shed(what);
             return Problem::overloaded("the server has reached its limit of concurrent requests")
                 .into_response();
         }

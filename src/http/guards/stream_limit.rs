@@ -4,11 +4,12 @@
 //! slot that way.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use crate::domain::counted::counted;
 use crate::domain::key::KeySeq;
 use crate::engine::keys::access::Access;
+use crate::engine::lock::lock;
 use crate::http::problem::Problem;
 
 /// The streams of a server by key; `None` is all clients without a key.
@@ -34,42 +35,29 @@ impl StreamLimit {
 
     /// Opens a stream, unless a limit is reached.
     pub fn begin(self: &Arc<Self>, access: &Access) -> Result<Listening, Problem> {
-        let (key, most) = (access.key(), self.most);
-        let mut open = self.lock();
+        let (key, most, most_in_all) = (access.key(), self.most, self.most_in_all);
+        let mut open = lock(&self.open);
         let count = open.get(&key).copied().unwrap_or_default();
         if count >= most {
+            let most = counted(most, "stream");
             return Err(match key {
-                Some(_) => Problem::had_its_share(format!(
-                    "the key has reached its limit of {}",
-                    counted(most, "stream")
-                )),
-                None => Problem::overloaded(format!(
-                    "a server without keys allows at most {}",
-                    counted(most, "stream")
-                )),
+                Some(_) => Problem::had_its_share(format!("the key has reached its limit of {most}")),
+                None => Problem::overloaded(format!("a server without keys allows at most {most}")),
             });
         }
-        if open.values().sum::<usize>() >= self.most_in_all {
-            let most = self.most_in_all;
-            return Err(Problem::overloaded(format!(
-                "the server allows at most {}",
-                counted(most, "stream")
-            )));
+        if open.values().sum::<usize>() >= most_in_all {
+            let most = counted(most_in_all, "stream");
+            return Err(Problem::overloaded(format!("the server allows at most {most}")));
         }
         open.insert(key, count + 1);
         drop(open);
         Ok(Listening { streams: self.clone(), key })
     }
-
-    fn lock(&self) -> MutexGuard<'_, HashMap<Option<KeySeq>, usize>> {
-        // The counts are consistent after each operation, so a poisoned lock is usable.
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        let mut open = self.streams.lock();
+        let mut open = lock(&self.streams.open);
         let left = open.get(&self.key).map_or(0, |count| count.saturating_sub(1));
         // Keys come and go, so those without streams are removed.
         if left == 0 {

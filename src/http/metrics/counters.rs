@@ -9,10 +9,9 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
-use prometheus_client::registry::{Registry, Unit};
+use prometheus_client::registry::{Metric, Registry, Unit};
 
 use super::gauges::{Figures, GAUGES};
-use super::shed_metrics::{Label, ShedMetrics};
 use crate::config::build;
 
 /// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
@@ -21,6 +20,9 @@ const LATENCY_BOUNDS_S: [f64; 14] =
 
 /// Keys that have a label of their own; there may be any number of keys.
 const KEYS_NAMED: usize = 100;
+
+/// A label by itself: its name and its value.
+type Label<V> = [(&'static str, V); 1];
 
 /// The metrics of one server.
 pub struct Metrics {
@@ -32,8 +34,10 @@ pub struct Metrics {
     forwarded: Family<Label<&'static str>, Counter>,
     by_key: Family<Label<String>, Counter>,
     started: Instant,
-    /// Rejected requests and connections.
-    pub shed_metrics: ShedMetrics,
+    open_connections: Gauge<u64, AtomicU64>,
+    in_flight: Gauge<u64, AtomicU64>,
+    connections: Family<Label<&'static str>, Counter>,
+    shed: Family<Label<&'static str>, Counter>,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
     map_load: Gauge<f64, AtomicU64>,
@@ -52,57 +56,54 @@ struct RouteLabels {
     route: String,
 }
 
+/// Registers a metric.
+fn registered<M: Metric + Clone + Default>(registry: &mut Registry, name: &str, help: &str) -> M {
+    let metric = M::default();
+    registry.register(name, help, metric.clone());
+    metric
+}
+
 impl Default for Metrics {
     fn default() -> Self {
         let mut registry = Registry::with_prefix("revisit");
-        let requests = Family::default();
-        registry.register("http_requests", "Requests by method, route and status", requests.clone());
+        let of = &mut registry;
+        let requests = registered(of, "http_requests", "Requests by method, route and status");
         let latency =
             Family::new_with_constructor((|| Histogram::new(LATENCY_BOUNDS_S)) as fn() -> Histogram);
-        registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
-        let verdicts = Family::default();
-        registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
-        let forwarded = Family::<Label<&'static str>, Counter>::default();
+        of.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
+        let verdicts = registered(of, "loop_verdicts", "Loop queries by verdict");
+        let forwarded: Family<Label<&'static str>, Counter> =
+            registered(of, "forwarded", "Requests about maps of other servers");
         for outcome in ["answered", "copied", "failed"] {
             // Told from the start, so that a rate is one.
             drop(forwarded.get_or_create(&[("outcome", outcome)]));
         }
-        registry.register("forwarded", "Requests about maps of other servers", forwarded.clone());
-        let by_key = Family::default();
-        registry.register(
-            "key_requests",
-            "Requests by key; of more than 100 keys the rest as one",
-            by_key.clone(),
-        );
-        let refusals = Family::default();
-        registry.register("http_refusals", "Requests rejected or failed, by status", refusals.clone());
-        let built = vec![("version", build::VERSION)];
-        registry.register("build", "What runs", Info::new(built));
-        let shed_metrics = ShedMetrics::default();
-        shed_metrics.register(&mut registry);
-        let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
-        for ((name, help, _), gauge) in GAUGES.iter().zip(&gauges) {
-            registry.register(*name, *help, gauge.clone());
-        }
-        let map_load = Gauge::default();
-        registry.register(
-            "map_load_seconds",
-            "Time spent loading maps into memory since the server started",
-            map_load.clone(),
-        );
-        let started = Instant::now();
+        let by_key = registered(of, "key_requests", "Requests by key; of more than 100 keys the rest as one");
+        let refusals = registered(of, "http_refusals", "Requests rejected or failed, by status");
+        of.register("build", "What runs", Info::new(vec![("version", build::VERSION)]));
         Self {
-            registry,
             requests,
-            refusals,
             latency,
             verdicts,
             forwarded,
             by_key,
-            started,
-            shed_metrics,
-            gauges,
-            map_load,
+            refusals,
+            started: Instant::now(),
+            open_connections: registered(of, "connections_open", "Connections open"),
+            in_flight: registered(of, "requests_in_flight", "Requests in flight"),
+            connections: registered(
+                of,
+                "connections",
+                "Connections accepted, refused without a free slot, or evicted for another",
+            ),
+            shed: registered(of, "shed", "Requests rejected with 503 at once, by kind"),
+            gauges: GAUGES.iter().map(|(name, help, _)| registered(of, name, help)).collect(),
+            map_load: registered(
+                of,
+                "map_load_seconds",
+                "Time spent loading maps into memory since the server started",
+            ),
+            registry,
         }
     }
 }
@@ -126,6 +127,22 @@ impl Metrics {
         let route = route.to_owned();
         self.latency.get_or_create(&RouteLabels { method, route: route.clone() }).observe(took.as_secs_f64());
         self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
+    }
+
+    /// Sets the connections and requests that are open now.
+    pub fn open_now(&self, connections: usize, requests: usize) {
+        self.open_connections.set(connections as u64);
+        self.in_flight.set(requests as u64);
+    }
+
+    /// Counts a connection that was `accepted`, `refused` or `evicted`.
+    pub fn connection(&self, fate: &'static str) {
+        self.connections.get_or_create(&[("fate", fate)]).inc();
+    }
+
+    /// Counts a shed `read`, `write`, large `body` or large `answer`.
+    pub fn shed(&self, what: &'static str) {
+        self.shed.get_or_create(&[("what", what)]).inc();
     }
 
     /// Counts a request about a map of another server: `answered` by that one, `copied` from a copy here, or `failed`.

@@ -3,4 +3,3 @@
 pub mod counters;
 pub mod gauges;
 pub mod process;
-pub mod shed_metrics;

@@ -5,14 +5,14 @@ use axum::extract::State;
 use axum::http::header::{CONTENT_TYPE, ETAG, X_CONTENT_TYPE_OPTIONS};
 use axum::response::{IntoResponse, Response};
 
-use crate::api::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
+use crate::api::anchor::{AnchorPatchBody, AnchorView};
 use crate::api::examples;
 use crate::api::list::AnchorList;
 use crate::api::map::MapVersion;
 use crate::api::prior::PriorBody;
 use crate::api::transcript::TranscriptList;
 use crate::engine::Service;
-use crate::http::answer::written;
+use crate::http::answer::{Answer, written};
 use crate::http::error_responses::{OfPatch, OfVersionedDelete, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
@@ -32,9 +32,8 @@ pub async fn list_anchors(
     Answering(service): Answering,
     MapPath { map }: MapPath,
     Query((filter, page)): Query<(AnchorSearch, Paging)>,
-) -> Result<Json<AnchorList>, Problem> {
-    let (version, anchors) = service.list_anchors(&map, filter.into(), page.into()).await?;
-    Ok(Json(AnchorList::of(version, anchors)))
+) -> Answer<AnchorList> {
+    Ok(Json(service.list_anchors(&map, filter.into(), page.into()).await?.into()))
 }
 
 /// Read an anchor
@@ -97,7 +96,7 @@ pub async fn patch_anchor(
     State(service): State<Service>,
     AnchorPath { map, anchor }: AnchorPath,
     seen: IfMatch,
-    Body(patch): Body<AnchorPatch>,
+    Body(patch): Body<AnchorPatchBody>,
 ) -> Result<Response, Problem> {
     let seen = seen.required()?;
     let (version, report) = service.describe_anchor(&map, anchor, seen, patch.description).await?;
@@ -123,7 +122,7 @@ pub async fn delete_anchor(
     State(service): State<Service>,
     AnchorPath { map, anchor }: AnchorPath,
     seen: IfMatch,
-) -> Result<Json<MapVersion>, Problem> {
+) -> Answer<MapVersion> {
     let map_version = service.delete_anchor(&map, anchor, seen.optional()).await?;
     Ok(Json(MapVersion { map_version }))
 }
@@ -161,7 +160,7 @@ pub async fn get_crop(
 pub async fn get_transcript(
     Answering(service): Answering,
     AnchorPath { map, anchor }: AnchorPath,
-) -> Result<Json<TranscriptList>, Problem> {
+) -> Answer<TranscriptList> {
     let (version, transcripts) = service.transcripts(&map, anchor.clone()).await?;
     Ok(Json(TranscriptList::of(version, &anchor, transcripts)))
 }

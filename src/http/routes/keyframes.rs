@@ -1,25 +1,33 @@
-//! Keyframes: stored with or without a loop query, read, deleted.
+//! Keyframes: stored with or without a loop query, read, corrected, deleted, and their poses in other tools' formats.
 
 use axum::Json;
 use axum::extract::State;
-use axum::response::Response;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse as _, Response};
+use tokio::task::spawn_blocking;
 
+use super::loops::kept_answer;
 use crate::api::anchor::LocalAnchorMap;
 use crate::api::examples;
 use crate::api::keyframe::{Keyframe, KeyframeAnswer, KeyframeView};
 use crate::api::list::{CovisibleList, KeyframeList};
 use crate::api::map::MapVersion;
+use crate::api::observations::{ObservationsAnswer, ObservationsBody};
+use crate::api::poses::{PosesAnswer, PosesBody};
+use crate::api::trajectory::{MeasuredLoop, TrajectoryFormat, write_trajectory};
 use crate::api::verdict::LoopAnswer;
+use crate::domain::ids::MapId;
 use crate::domain::key::Action;
 use crate::domain::report::Page;
-use crate::engine::Service;
-use crate::http::App;
-use crate::http::answer::written;
+use crate::domain::request::{ChangedObservations, PoseCorrection};
+use crate::domain::trajectory::TrajectoryReport;
+use crate::engine::{Service, ServiceError};
+use crate::http::answer::{Answer, written};
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
-use crate::http::extract::body::KeyframeInPath;
+use crate::http::extract::body::{Body, KeyframeInPath};
 use crate::http::extract::path::{KeyframePath, MapPath};
-use crate::http::extract::query::{KeyframeParams, KeyframeSearch, Paging, Query};
+use crate::http::extract::query::{KeyframeParams, KeyframeSearch, Paging, Query, TrajectoryQuery};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
@@ -39,21 +47,17 @@ use crate::http::problem::Problem;
     )
 )]
 pub async fn put_keyframe(
-    State(app): State<App>,
+    State(service): State<Service>,
     caller: Caller,
     Query(also): Query<KeyframeParams>,
     KeyframeInPath { place: KeyframePath { map, .. }, keyframe, digest }: KeyframeInPath,
 ) -> Result<Response, Problem> {
-    let asked = also.query.is_some();
     let detail = also.detail.unwrap_or_default().0;
-    if asked {
-        caller.needs(Action::Query)?;
-    }
-    let service = &app.service;
-    if !asked {
+    if also.query.is_none() {
         let stored = service.put_keyframe(&map, keyframe, digest).await?;
         return Ok(written(stored.created, KeyframeAnswer::from(stored.value)));
     }
+    caller.needs(Action::Query)?;
     let (stored, answer) = service.put_keyframe_and_query(&map, keyframe, digest).await?;
     let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, detail);
     Ok(written(stored.created, KeyframeAnswer { loop_answer: Some(view), ..stored.value.into() }))
@@ -78,9 +82,8 @@ pub async fn list_keyframes(
     Answering(service): Answering,
     MapPath { map }: MapPath,
     Query((search, page)): Query<(KeyframeSearch, Paging)>,
-) -> Result<Json<KeyframeList>, Problem> {
-    let (version, keyframes) = service.list_keyframes(&map, search.redundant, page.into()).await?;
-    Ok(Json(KeyframeList::of(version, keyframes)))
+) -> Answer<KeyframeList> {
+    Ok(Json(service.list_keyframes(&map, search.redundant, page.into()).await?.into()))
 }
 
 /// Read a keyframe
@@ -93,7 +96,7 @@ pub async fn list_keyframes(
 pub async fn get_keyframe(
     Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
-) -> Result<Json<KeyframeView>, Problem> {
+) -> Answer<KeyframeView> {
     let (version, record) = service.get_keyframe(&map, &keyframe).await?;
     Ok(Json(KeyframeView::of(version, record)))
 }
@@ -111,7 +114,7 @@ pub async fn get_keyframe(
 pub async fn delete_keyframe(
     State(service): State<Service>,
     KeyframePath { map, keyframe }: KeyframePath,
-) -> Result<Json<MapVersion>, Problem> {
+) -> Answer<MapVersion> {
     let map_version = service.delete_keyframe(&map, &keyframe).await?;
     Ok(Json(MapVersion { map_version }))
 }
@@ -129,9 +132,9 @@ pub async fn delete_keyframe(
 pub async fn list_covisible(
     Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
-) -> Result<Json<CovisibleList>, Problem> {
+) -> Answer<CovisibleList> {
     let (version, items) = service.covisible(&map, &keyframe).await?;
-    Ok(Json(CovisibleList::of(version, Page { items, next_cursor: None })))
+    Ok(Json((version, Page { items, next_cursor: None }).into()))
 }
 
 /// Read a local anchor map
@@ -147,8 +150,106 @@ pub async fn list_covisible(
 pub async fn get_local_anchor_map(
     Answering(service): Answering,
     KeyframePath { map, keyframe }: KeyframePath,
-) -> Result<Json<LocalAnchorMap>, Problem> {
+) -> Answer<LocalAnchorMap> {
     let (map_version, anchors) = service.local_anchor_map(&map, &keyframe).await?;
     let anchors = anchors.into_iter().map(Into::into).collect();
     Ok(Json(LocalAnchorMap { keyframe: keyframe.to_string(), map_version, anchors }))
+}
+
+/// Correct poses and map points
+///
+/// For use after the client has closed a loop and optimised its map. All corrections are one transaction. Boxes of
+/// anchors follow their points.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPath), security(("key" = ["write"])),
+    request_body(content = PosesBody, example = examples::poses_body),
+    responses(
+        (status = 200, description = "The corrections are stored", body = PosesAnswer, example = examples::poses_answer),
+        OfWrite
+    )
+)]
+pub async fn correct_poses(
+    State(service): State<Service>,
+    MapPath { map }: MapPath,
+    Body(correction): Body<PoseCorrection>,
+) -> Answer<PosesAnswer> {
+    let (keyframes, map_points) = (correction.keyframes.len(), correction.map_points.len());
+    let map_version = service.correct_poses(&map, correction).await?;
+    Ok(Json(PosesAnswer { map_version, keyframes, map_points }))
+}
+
+/// Change what keyframes observe
+///
+/// For use when the robot's map has fused or culled map points, or found covisible keyframes, after the keyframes were sent.
+/// All of it is one transaction. Covisibility, the map points and boxes of anchors, and association follow as if the
+/// keyframes had been sent so, as far as `docs/method.md` (M57) says. Keyframes sent later name the points that stay. A retry of
+/// a keyframe is compared with its body as first sent. Repeating the request changes nothing.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/observations", tag = "loops", params(MapPath), security(("key" = ["write"])),
+    request_body(content = ObservationsBody, example = examples::observations_body),
+    responses(
+        (status = 200, description = "The changes are stored", body = ObservationsAnswer, example = examples::observations_answer),
+        OfWrite
+    )
+)]
+pub async fn change_observations(
+    State(service): State<Service>,
+    MapPath { map }: MapPath,
+    Body(changed): Body<ChangedObservations>,
+) -> Answer<ObservationsAnswer> {
+    let (counts, map_version) = service.change_observations(&map, changed).await?;
+    let (keyframes, map_points, anchors_merged) = (counts.keyframes, counts.map_points, counts.merged);
+    Ok(Json(ObservationsAnswer { map_version, keyframes, map_points, anchors_merged }))
+}
+
+/// Read a trajectory
+///
+/// Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of `seconds x y z qx qy qz qw`. `kitti`: lines
+/// of twelve numbers, the upper rows of the pose. `g2o`: a pose graph of all sessions, each in its own frame, with
+/// keyframes as vertices. `frame=fleet` puts all sessions that loops and plans join into one frame. Successive keyframes of a session are joined by their current relative pose. Confirmed loops
+/// are joined by the transformation of their `query`, with the inverse of its `covariance` as information. A loop
+/// whose query is no longer stored, or has no full transformation, is a comment. Information is in metres and radians,
+/// as gtsam and Ceres read it.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPath, TrajectoryQuery), security(("key" = ["read"])),
+    responses(
+        (status = 200, description = "The trajectory", body = String, content_type = "text/plain",
+            example = "# timestamp tx ty tz qx qy qz qw\n1.000000000 0 0 0 0 0 0 1\n"),
+        ReadErrors
+    )
+)]
+pub async fn get_trajectory(
+    Answering(service): Answering,
+    MapPath { map }: MapPath,
+    Query(asked): Query<TrajectoryQuery>,
+) -> Result<Response, Problem> {
+    let report = if asked.frame.unwrap_or(false) {
+        service.trajectory_of_fleet(&map, asked.session, asked.reference).await?
+    } else {
+        service.trajectory(&map, asked.session).await?
+    };
+    let measured = match asked.format {
+        TrajectoryFormat::G2o => measured(&service, &map, &report).await?,
+        TrajectoryFormat::Tum | TrajectoryFormat::Kitti => Vec::new(),
+    };
+    // Formatting a hundred thousand poses takes long, so it must not block an async thread.
+    let text = spawn_blocking(move || write_trajectory(&report, &measured, asked.format)).await;
+    let text =
+        text.map_err(|error| ServiceError::Internal(format!("a trajectory was not written: {error}")))?;
+    let text = text.map_err(|fault| Problem::invalid(vec![fault]))?;
+    Ok(([(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
+}
+
+/// Returns the loops' transformations from the stored answers.
+async fn measured(
+    service: &Service,
+    map: &MapId,
+    report: &TrajectoryReport,
+) -> Result<Vec<Option<MeasuredLoop>>, Problem> {
+    let mut all = Vec::with_capacity(report.loops.len());
+    for closed in &report.loops {
+        let answer = kept_answer(service, map, closed.query.as_deref()).await?;
+        all.push(answer.and_then(|answer| MeasuredLoop::of(&answer, closed.candidate_id.as_str())));
+    }
+    Ok(all)
 }

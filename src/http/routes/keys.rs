@@ -4,13 +4,15 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 
-use crate::api::key::{self, KeyBody, KeyView};
+use crate::api::examples;
+use crate::api::key::{KeyBody, KeyView};
 use crate::api::list::KeyList;
 use crate::api::space::Time;
 use crate::domain::key::{Key, KeyProperties};
 use crate::engine::Service;
 use crate::engine::keys::access::Access;
 use crate::engine::keys::lockout::Lockout;
+use crate::http::answer::Answer;
 use crate::http::error_responses::{OfKey, OfList, OfRevocation, OfWrite};
 use crate::http::extract::body::Body;
 use crate::http::extract::path::KeyPath;
@@ -23,12 +25,9 @@ use crate::http::problem::{Kind, Problem};
 /// In order of creation, including revoked ones. Secrets are not stored.
 #[utoipa::path(
     get, path = "/v1/keys", tag = "keys", params(Paging), security(("key" = ["admin"])),
-    responses((status = 200, description = "One page of the list", body = KeyList, example = key::example_list), OfList)
+    responses((status = 200, description = "One page of the list", body = KeyList, example = examples::keys), OfList)
 )]
-pub async fn list_keys(
-    State(service): State<Service>,
-    Query(page): Query<Paging>,
-) -> Result<Json<KeyList>, Problem> {
+pub async fn list_keys(State(service): State<Service>, Query(page): Query<Paging>) -> Answer<KeyList> {
     let keys = service.keys().page(page.into())?;
     let uses = service.keys().uses();
     let view = |key: Key| {
@@ -47,9 +46,9 @@ pub async fn list_keys(
 /// What it may do, and with which maps. A server that requires no key answers 404.
 #[utoipa::path(
     get, path = "/v1/keys/me", tag = "keys", security(("key" = [])),
-    responses((status = 200, description = "The key", body = KeyView, example = key::example_robots), OfKey)
+    responses((status = 200, description = "The key", body = KeyView, example = examples::robots_key), OfKey)
 )]
-pub async fn get_own_key(caller: Caller) -> Result<Json<KeyView>, Problem> {
+pub async fn get_own_key(caller: Caller) -> Answer<KeyView> {
     match caller.0 {
         Access::Key(held) => Ok(Json(held.key.clone().into())),
         Access::Open => {
@@ -65,9 +64,9 @@ pub async fn get_own_key(caller: Caller) -> Result<Json<KeyView>, Problem> {
 /// expiry (else 409). `revisit keys create` creates keys directly in the database, to regain access.
 #[utoipa::path(
     post, path = "/v1/keys", tag = "keys", security(("key" = ["admin"])),
-    request_body(content = KeyBody, example = key::example_body),
+    request_body(content = KeyBody, example = examples::key_body),
     responses(
-        (status = 201, description = "The key, and its secret", body = KeyView, example = key::example_made),
+        (status = 201, description = "The key, and its secret", body = KeyView, example = examples::made_key),
         OfWrite
     )
 )]

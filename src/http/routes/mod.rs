@@ -1,28 +1,17 @@
 //! Routes: one file per kind of resource; handlers extract, call the service once, and respond.
 
 mod anchors;
-mod backups;
 mod bulk;
-mod erasures;
 mod events;
-mod export;
-mod judgements;
 mod keyframes;
 mod keys;
 mod lines;
-mod locate;
-mod loop_queries;
 mod loops;
 mod maps;
-mod model_verdicts;
-mod observations;
-mod poses;
+mod models;
 mod releases;
-mod semantics;
 mod service;
 mod sessions;
-mod trajectories;
-mod usage;
 
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
@@ -39,26 +28,26 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(keyframes::put_keyframe, keyframes::get_keyframe, keyframes::delete_keyframe))
         .routes(routes!(keyframes::list_covisible))
         .routes(routes!(keyframes::get_local_anchor_map))
-        .routes(routes!(poses::correct_poses))
-        .routes(routes!(observations::change_observations))
-        .routes(routes!(trajectories::get_trajectory))
+        .routes(routes!(keyframes::correct_poses))
+        .routes(routes!(keyframes::change_observations))
+        .routes(routes!(keyframes::get_trajectory))
         .routes(routes!(sessions::list_sessions))
         .routes(routes!(sessions::get_frames))
         .routes(routes!(sessions::merge_sessions, sessions::revoke_merge))
         .routes(routes!(releases::list_releases))
         .routes(routes!(releases::publish_release, releases::get_release, releases::delete_release))
         .routes(routes!(releases::get_changes))
-        .routes(routes!(erasures::erase))
-        .routes(routes!(erasures::get_erasure))
-        .routes(routes!(export::export_map))
-        .routes(routes!(loop_queries::list_loop_queries, loop_queries::query_loop))
-        .routes(routes!(loop_queries::get_loop_query))
-        .routes(routes!(locate::locate))
+        .routes(routes!(maps::erase))
+        .routes(routes!(maps::get_erasure))
+        .routes(routes!(maps::export_map))
+        .routes(routes!(loops::list_loop_queries, loops::query_loop))
+        .routes(routes!(loops::get_loop_query))
+        .routes(routes!(loops::locate))
         .routes(routes!(loops::list_loops, loops::confirm_loop))
         .routes(routes!(loops::revoke_loop))
-        .routes(routes!(model_verdicts::bring_model_verdict))
-        .routes(routes!(judgements::judge_again))
-        .routes(routes!(judgements::get_judgement, judgements::stop_judgement))
+        .routes(routes!(models::bring_model_verdict))
+        .routes(routes!(models::judge_again))
+        .routes(routes!(models::get_judgement, models::stop_judgement))
         .routes(routes!(anchors::list_anchors))
         .routes(routes!(
             anchors::put_prior_anchor,
@@ -69,15 +58,15 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(anchors::get_crop))
         .routes(routes!(anchors::get_transcript))
         .routes(routes!(events::listen))
-        .routes(routes!(semantics::similarity))
-        .routes(routes!(semantics::information))
-        .routes(routes!(semantics::merge_text))
-        .routes(routes!(usage::get_usage))
+        .routes(routes!(models::similarity))
+        .routes(routes!(models::information))
+        .routes(routes!(models::merge_text))
+        .routes(routes!(models::get_usage))
         .routes(routes!(keys::list_keys, keys::create_key))
         .routes(routes!(keys::get_own_key))
         .routes(routes!(keys::revoke_key))
-        .routes(routes!(backups::list_backups, backups::take_backup))
-        .routes(routes!(backups::delete_backup))
+        .routes(routes!(service::list_backups, service::take_backup))
+        .routes(routes!(service::delete_backup))
         .routes(routes!(service::healthz))
         .routes(routes!(service::readyz))
         .routes(routes!(service::get_version))

@@ -10,12 +10,11 @@ use crate::api::list::ReleaseList;
 use crate::api::release::{ReleaseBody, ReleaseChangesView, ReleaseView};
 use crate::domain::release::NewRelease;
 use crate::engine::Service;
-use crate::http::answer::written;
+use crate::http::answer::{Answer, written};
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
-use crate::http::extract::changes_query::ChangesQuery;
 use crate::http::extract::path::{MapPath, ReleasePath};
-use crate::http::extract::query::{Paging, Query};
+use crate::http::extract::query::{ChangesQuery, Paging, Query};
 use crate::http::problem::Problem;
 
 /// List the releases of a map
@@ -29,7 +28,7 @@ pub async fn list_releases(
     State(service): State<Service>,
     MapPath { map }: MapPath,
     Query(page): Query<Paging>,
-) -> Result<Json<ReleaseList>, Problem> {
+) -> Answer<ReleaseList> {
     Ok(Json(service.list_releases(&map, page.into()).await?.into()))
 }
 
@@ -67,7 +66,7 @@ pub async fn publish_release(
 pub async fn get_release(
     State(service): State<Service>,
     ReleasePath { map, release }: ReleasePath,
-) -> Result<Json<ReleaseView>, Problem> {
+) -> Answer<ReleaseView> {
     Ok(Json(service.get_release(&map, &release).await?.into()))
 }
 
@@ -98,7 +97,7 @@ pub async fn get_changes(
     State(service): State<Service>,
     MapPath { map }: MapPath,
     Query(asked): Query<ChangesQuery>,
-) -> Result<Json<ReleaseChangesView>, Problem> {
+) -> Answer<ReleaseChangesView> {
     let ChangesQuery { since, until, limit } = asked;
     let (earlier, later, changes) = service.changes_since(&map, &since, until.as_ref(), limit).await?;
     Ok(Json(ReleaseChangesView::of(earlier, later, changes)))

@@ -8,13 +8,12 @@ use crate::api::frames::FramesView;
 use crate::api::list::SessionList;
 use crate::api::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use crate::engine::Service;
+use crate::http::answer::Answer;
 use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
 use crate::http::extract::answering::Answering;
 use crate::http::extract::body::Body;
-use crate::http::extract::frames_query::FramesQuery;
 use crate::http::extract::path::{MapPath, SessionPath};
-use crate::http::extract::query::{Paging, Query};
-use crate::http::problem::Problem;
+use crate::http::extract::query::{FramesQuery, Paging, Query};
 
 /// List sessions
 ///
@@ -28,9 +27,8 @@ pub async fn list_sessions(
     Answering(service): Answering,
     MapPath { map }: MapPath,
     Query(page): Query<Paging>,
-) -> Result<Json<SessionList>, Problem> {
-    let (version, sessions) = service.list_sessions(&map, page.into()).await?;
-    Ok(Json(SessionList::of(version, sessions)))
+) -> Answer<SessionList> {
+    Ok(Json(service.list_sessions(&map, page.into()).await?.into()))
 }
 
 /// Merge a session into another one
@@ -51,14 +49,10 @@ pub async fn merge_sessions(
     State(service): State<Service>,
     SessionPath { map, session }: SessionPath,
     Body(merge): Body<MergeFields>,
-) -> Result<Json<SessionsMergedAnswer>, Problem> {
+) -> Answer<SessionsMergedAnswer> {
     let (counts, map_version) = service.merge_sessions(&map, merge.of(session)).await?;
-    Ok(Json(SessionsMergedAnswer {
-        map_version,
-        keyframes: counts.keyframes,
-        map_points: counts.map_points,
-        anchors_merged: counts.merged,
-    }))
+    let (keyframes, map_points, anchors_merged) = (counts.keyframes, counts.map_points, counts.merged);
+    Ok(Json(SessionsMergedAnswer { map_version, keyframes, map_points, anchors_merged }))
 }
 
 /// Revoke a merge of sessions
@@ -75,7 +69,7 @@ pub async fn merge_sessions(
 pub async fn revoke_merge(
     State(service): State<Service>,
     SessionPath { map, session }: SessionPath,
-) -> Result<Json<MergeRevokedAnswer>, Problem> {
+) -> Answer<MergeRevokedAnswer> {
     let (keyframes, map_version) = service.revoke_merge(&map, session).await?;
     Ok(Json(MergeRevokedAnswer { map_version, keyframes }))
 }
@@ -94,6 +88,6 @@ pub async fn get_frames(
     State(service): State<Service>,
     MapPath { map }: MapPath,
     Query(asked): Query<FramesQuery>,
-) -> Result<Json<FramesView>, Problem> {
+) -> Answer<FramesView> {
     Ok(Json(service.frames(&map, asked.reference).await?.into()))
 }
