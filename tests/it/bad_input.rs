@@ -72,6 +72,11 @@ fn meaningless() -> Vec<(&'static str, Value, &'static [&'static str])> {
         ),
         ("text for a number", with(&json!({"stamp": {"sec": "1", "nanosec": 0}})), &["/stamp/sec"]),
         ("a number for a list", with(&json!({"observes": 12})), &["/observes"]),
+        (
+            "a range by another name",
+            detection(&json!({"position": [0, 0, 2], "range": "guessed"})),
+            &["/detections/0/range"],
+        ),
         ("null for an object", with(&json!({"camera": null})), &["/camera"]),
         ("a fraction for a count", with(&json!({"observes": [1.5]})), &["/observes/0"]),
         ("1e39", with(&json!({"pose": at(json!(1e39))})), &["/pose/translation/x"]),

@@ -284,7 +284,5 @@ fn box_px(node: &Node<'_>) -> Option<[f64; 4]> {
 }
 
 fn range(node: &Node<'_>) -> Option<RangeName> {
-    node.choice(&["measured", "assumed"], |name| {
-        Some(if name == "assumed" { RangeName::Assumed } else { RangeName::Measured })
-    })
+    node.one_of([("measured", RangeName::Measured), ("assumed", RangeName::Assumed)])
 }
