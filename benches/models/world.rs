@@ -10,6 +10,7 @@ use revisit::config::models::ModelArgs;
 use revisit::domain::change::Change;
 use revisit::domain::ids::AnchorSeq;
 use revisit::domain::judged::{Finding, ModelVerdict};
+use revisit::domain::judgement::TextFunction;
 use revisit::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use revisit::domain::roles::Roles;
 use revisit::geometry::{Point3, Pose};
@@ -144,11 +145,13 @@ pub async fn play() -> Outcome {
     let generous = Scripted::new("generous", move |question| {
         let mut journal = journal.lock().expect("a journal");
         journal.1 += 1;
-        if let Question::Similarity { a, b, .. } = question {
+        if let Question::Texts { function: TextFunction::Similarity, a, b, .. } = question {
             journal.0.insert((a.min(b).clone(), a.max(b).clone()));
         }
         Ok(match question {
-            Question::Merge { a, b, .. } => serde_json::json!({"text": format!("{a}, {b}")}).to_string(),
+            Question::Texts { function: TextFunction::Merge, a, b, .. } => {
+                serde_json::json!({"text": format!("{a}, {b}")}).to_string()
+            }
             _ => r#"{"level": 5}"#.to_owned(),
         })
     });
@@ -158,7 +161,7 @@ pub async fn play() -> Outcome {
     let none: [&str; 0] = [];
     let args = ModelArgs::of(&none).expect("defaults");
     let model: Arc<dyn Model> = Arc::new(generous);
-    let models = Models::with([Some(model), None], None, &args, &store).await.expect("models");
+    let models = Models::with([Some(model), None, None], None, &args, &store).await.expect("models");
     let roles = Roles { vision: false, text: true };
     let mut settled = Settled::new();
     loop {
@@ -205,15 +208,15 @@ async fn judge(models: &Models, lack: DescriptionTask) -> Option<ModelVerdict> {
     Some(match lack {
         DescriptionTask::Reading { .. } | DescriptionTask::Embedding { .. } => return None,
         DescriptionTask::Information { class, text } => {
-            let judged = models.judge.information(&class, &text, None).await;
+            let judged = models.judge.information(&class, &text).await;
             verdict(class, text, "".into(), Finding::Information(judged.level), judged.source)
         }
         DescriptionTask::Similarity { class, a, b } => {
-            let judged = models.judge.similarity(&class, &a, &b, None).await;
+            let judged = models.judge.similarity(&class, &a, &b).await;
             verdict(class, a, b, Finding::Similarity(judged.level), judged.source)
         }
         DescriptionTask::Merge { class, a, b, as_read: [first, second] } => {
-            let merged = models.judge.merge(&class, &first, &second, None).await;
+            let merged = models.judge.merge(&class, &first, &second).await;
             verdict(class, a, b, Finding::Merge(merged.text.into()), merged.source)
         }
     })

@@ -83,19 +83,11 @@ fn map_line(map: &MapCheck) -> String {
 }
 
 fn as_json(checked: &IntegrityReport, faults: &[String]) -> serde_json::Value {
-    let maps: Vec<_> = checked.maps.iter().map(map_json).collect();
     json!({
         "sound": faults.is_empty(),
         "schema": checked.holds.map(|holds| holds.schema),
-        "maps": maps,
+        "maps": checked.maps,
         "faults": faults,
         "notes": checked.notes,
-    })
-}
-
-fn map_json(map: &MapCheck) -> serde_json::Value {
-    json!({
-        "id": map.id, "map_version": map.version, "keyframes": map.keyframes, "anchors": map.anchors,
-        "loops": map.loops, "events": map.events, "faults": map.faults,
     })
 }

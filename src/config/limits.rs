@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use clap::{Args, Parser};
+use clap::Args;
 use rustix::process::{Resource, getrlimit, setrlimit};
+
+use super::flags::{number, parsed};
 
 /// Limits of concurrency, memory and time.
 #[derive(Args, Clone, Debug)]
@@ -61,10 +63,9 @@ pub fn raise_open_files() -> Option<u64> {
     getrlimit(Resource::Nofile).current
 }
 
-#[derive(Parser)]
-struct OnlyLimits {
-    #[command(flatten)]
-    limits: LimitArgs,
+/// Returns the number of cores that this process may use.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(2, usize::from)
 }
 
 impl LimitArgs {
@@ -78,29 +79,21 @@ impl LimitArgs {
     /// Returns the maximum requests in flight. A core answers about 600 mixed requests per second. With 256 of them,
     /// the last waits for less than the second after which a rejected client retries.
     pub fn requests(&self) -> usize {
-        let cores = std::thread::available_parallelism().map_or(2, usize::from);
-        self.max_requests.unwrap_or(256 * cores)
+        self.max_requests.unwrap_or(256 * cores())
     }
 
     /// Parses these flags, as a command line would give them; for tests and benchmarks.
     pub fn of<T: AsRef<str>>(flags: &[T]) -> Result<Self, clap::Error> {
-        let line = std::iter::once("revisit").chain(flags.iter().map(AsRef::as_ref));
-        OnlyLimits::try_parse_from(line).map(|parsed| parsed.limits)
+        parsed(flags)
     }
 }
 
 fn positive(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(number) if (1..=1 << 30).contains(&number) => Ok(number),
-        _ => Err("expected a whole number from 1 to 1073741824".to_owned()),
-    }
+    number(text, 1..=1 << 30, "a whole number from 1 to 1073741824")
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (0.001..=86_400.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err("expected seconds, from 0.001 to 86400".to_owned()),
-    }
+    number(text, 0.001..=86_400.0, "seconds, from 0.001 to 86400").map(Duration::from_secs_f64)
 }
 
 fn seconds_or_none(text: &str) -> Result<Duration, String> {

@@ -3,6 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | [`build`] | name, version and missing features of this binary |
+//! | [`flags`] | numbers and groups of flags, parsed |
 //! | [`limits`] | concurrency, memory and timeouts |
 //! | [`listen`] | the listen address, and whether other machines reach it |
 //! | [`logging`] | filter and format of the log |
@@ -13,6 +14,7 @@
 //! | [`traces`] | spans for an OpenTelemetry collector |
 
 pub mod build;
+mod flags;
 pub mod limits;
 pub mod listen;
 pub mod logging;

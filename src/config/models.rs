@@ -5,8 +5,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, ValueEnum};
+use clap::{Args, ValueEnum};
 use secrecy::SecretString;
+
+use super::flags::{number, parsed};
 
 /// The models and their parameters.
 #[derive(Args, Clone, Debug)]
@@ -215,30 +217,17 @@ fn temperature(text: &str) -> Result<Temperature, String> {
     if text == "none" {
         return Ok(Temperature(None));
     }
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..=2.0).contains(&value) => Ok(Temperature(Some(value))),
-        _ => Err("expected a number in [0, 2], or none".to_owned()),
-    }
+    number(text, 0.0..=2.0, "a number in [0, 2], or none").map(|value| Temperature(Some(value)))
 }
 
 fn money(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
-        _ => Err("expected an amount of US dollars in [0, 1000000]".to_owned()),
-    }
-}
-
-#[derive(Parser)]
-struct OnlyModels {
-    #[command(flatten)]
-    models: ModelArgs,
+    number(text, 0.0..=1e6, "an amount of US dollars in [0, 1000000]")
 }
 
 impl ModelArgs {
     /// Parses these flags, as a command line would give them; for tests and benchmarks.
     pub fn of<T: AsRef<str>>(flags: &[T]) -> Result<Self, clap::Error> {
-        let line = std::iter::once("revisit").chain(flags.iter().map(AsRef::as_ref));
-        OnlyModels::try_parse_from(line).map(|parsed| parsed.models)
+        parsed(flags)
     }
 
     /// Whether any model is configured.

@@ -10,7 +10,7 @@ use super::descriptions::judgement_runner::JudgementRunner;
 use super::descriptions::round::Round;
 use super::error::Result;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
-use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
+use super::limits::bounds::{EXPORTS_AT_ONCE, TURNS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE};
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::limits::quota::KeyBytes;
 use super::limits::shared_turns::SharedTurns;
@@ -19,6 +19,7 @@ use super::maps::registry::Registry;
 use super::named_vocabulary::NamedVocabulary;
 use super::options::{ModelChoice, ServiceOptions};
 use super::service::{Parts, Service};
+use crate::config::limits::cores;
 use crate::llm::Models;
 use crate::store::{Job, Store};
 
@@ -108,7 +109,6 @@ async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models
             let opened = Models::open(&args, store).await;
             opened.map_err(|error| super::ServiceError::Internal(error.to_string()))?
         }
-        ModelChoice::Given(args, models) => Some(Models::with(models, None, &args, store).await?),
     };
     // Among others no server may change maps that are not its own.
     if models.is_none() && store.leases().is_none() {

@@ -1,15 +1,14 @@
 //! How the service is opened.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Duration;
 
 use crate::config::memory::MemoryArgs;
+#[cfg(feature = "llm")]
 use crate::config::models::ModelArgs;
 use crate::config::quotas::Quotas;
 use crate::domain::ids::KeyframeId;
 use crate::domain::verdict::Verdict;
-use crate::llm::port::Model;
 
 /// The time between two looks for what settings let go of, unless an operator says otherwise.
 pub const RETENTION_EVERY: Duration = Duration::from_mins(10);
@@ -48,8 +47,6 @@ pub enum ModelChoice {
     /// Those that the operator names.
     #[cfg(feature = "llm")]
     Configured(Box<ModelArgs>),
-    /// These, the second of them for images, with the operator's limits.
-    Given(Box<ModelArgs>, [Option<Arc<dyn Model>>; 2]),
 }
 
 impl ServiceOptions {

@@ -35,7 +35,7 @@ pub struct Copied {
 #[derive(Debug)]
 pub struct Copy {
     file: NamedTempFile,
-    copied: Copied,
+    pub(crate) copied: Copied,
     faults: Vec<String>,
 }
 
@@ -75,11 +75,6 @@ impl Copy {
             Ok(Self { file, copied: Copied { bytes, sha256, holds, maps_checked }, faults })
         };
         tokio::task::spawn_blocking(write).await.map_err(|error| StoreError::Database(error.to_string()))?
-    }
-
-    /// Returns what was copied.
-    pub fn copied(&self) -> &Copied {
-        &self.copied
     }
 
     /// Returns everything that [`super::check::check`] found wrong with the copy; a verified one has no faults.
@@ -144,11 +139,7 @@ fn digest(path: &Path) -> std::io::Result<(u64, String)> {
 
     let mut file = File::open(path)?;
     let (mut hash, mut chunk, mut bytes) = (Sha256::new(), vec![0; CHUNK_BYTES], 0);
-    loop {
-        let read = file.read(&mut chunk)?;
-        if read == 0 {
-            break;
-        }
+    while let read @ 1.. = file.read(&mut chunk)? {
         bytes += read as u64;
         hash.update(&chunk[..read]);
     }

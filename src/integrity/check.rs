@@ -56,7 +56,10 @@ pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<IntegrityR
             return Ok(IntegrityReport { faults: vec![error.to_string()], ..IntegrityReport::default() });
         }
     };
-    let mut checked = check_all(&mut db).await;
+    let mut checked = IntegrityReport::default();
+    if let Err(error) = check_all(&mut db, &mut checked).await {
+        checked.faults.push(error.to_string());
+    }
     if checked.holds.is_some() {
         note(&mut checked.faults, inspection.wrong_length(&mut db).await);
     }
@@ -66,26 +69,13 @@ pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<IntegrityR
     Ok(checked)
 }
 
-async fn check_all(db: &mut Inspected) -> IntegrityReport {
-    let mut checked = IntegrityReport::default();
-    match db.structural_faults().await {
-        Ok(faults) => checked.faults.extend(faults),
-        // Not even that: what follows would say the same again.
-        Err(error) => {
-            checked.faults.push(error.to_string());
-            return checked;
-        }
-    }
-    match db.schema().await {
-        Ok(version) if version > newest_schema() => {
-            checked.newer = Some(version);
-            return checked;
-        }
-        Ok(_) => {}
-        Err(error) => {
-            checked.faults.push(error.to_string());
-            return checked;
-        }
+/// Checks everything, until something fails without which what follows would say the same again.
+async fn check_all(db: &mut Inspected, checked: &mut IntegrityReport) -> Result<(), StoreError> {
+    checked.faults = db.structural_faults().await?;
+    let version = db.schema().await?;
+    if version > newest_schema() {
+        checked.newer = Some(version);
+        return Ok(());
     }
     note(&mut checked.faults, db.dangling_rows().await);
     match db.holdings().await {
@@ -93,17 +83,13 @@ async fn check_all(db: &mut Inspected) -> IntegrityReport {
         Err(error) => checked.faults.push(error.to_string()),
     }
     note(&mut checked.faults, db.key_faults().await);
-    let ids = db.maps().await.unwrap_or_else(|error| {
-        checked.faults.push(error.to_string());
-        Vec::new()
-    });
-    for id in ids {
+    for id in db.maps().await? {
         match id {
             Ok(id) => checked.maps.push(map_check::check(db, &id).await),
             Err(fault) => checked.faults.push(fault),
         }
     }
-    checked
+    Ok(())
 }
 
 fn note(faults: &mut Vec<String>, found: Result<Vec<String>, StoreError>) {

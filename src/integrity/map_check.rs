@@ -1,5 +1,7 @@
 //! One map: can its index be built, from facts told in either order, and are its numbers dense?
 
+use serde::Serialize;
+
 use super::rebuild::{RebuiltMap, rebuild};
 use crate::domain::ids::MapId;
 use crate::domain::map::MapFigures;
@@ -11,11 +13,12 @@ use crate::store::{Inspected, MapFacts, Order, RowFindings, StoreError};
 const MAP_FAULTS_MAX: usize = 100;
 
 /// Findings in a map.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapCheck {
     /// Its name.
     pub id: String,
     /// Its version.
+    #[serde(rename = "map_version")]
     pub version: u64,
     /// Its keyframes.
     pub keyframes: u64,

@@ -70,11 +70,10 @@ pub async fn restore(
     let kept = if target.database().exists() { Some(put_aside(target)?) } else { None };
     // Of no use without its database, and deadly to another.
     for stale in [target.wal(), target.shm()] {
-        match fs::remove_file(&stale) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(StoreError::file(&stale, &error));
-            }
-            _ => {}
+        if let Err(error) = fs::remove_file(&stale)
+            && error.kind() != std::io::ErrorKind::NotFound
+        {
+            return Err(StoreError::file(&stale, &error));
         }
     }
     sync_folder(target.folder())?;

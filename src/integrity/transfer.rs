@@ -3,8 +3,6 @@
 //! A map is verified by all of its rows, which must be the same, and by its index, which is built from either database and must be
 //! the same as well. What was transferred before is verified anew, and not copied again.
 
-use std::collections::HashMap;
-
 use thiserror::Error;
 
 use super::rebuild::rebuild;
@@ -66,12 +64,16 @@ pub async fn transfer(
     expect_not_served(to, "target").await?;
     to.discard_incomplete().await?;
     let maps = from.held_maps().await?;
-    let there = only_of(&maps, to.held_maps().await?)?;
+    let there: Vec<MapId> = to.held_maps().await?.into_iter().map(|held| held.id).collect();
+    // One that the source has not would be another database's.
+    if let Some(foreign) = there.iter().find(|id| !maps.iter().any(|map| map.id == **id)) {
+        return Err(TransferError::Foreign(format!("map {foreign}")));
+    }
     keys_agree(from, to).await?;
     to.take_beside_maps_from(from).await?;
     let mut transferred = Vec::new();
     for map in &maps {
-        let was_there = there.contains_key(&map.id);
+        let was_there = there.contains(&map.id);
         if !was_there {
             to.take_map_from(from, map).await?;
         }
@@ -89,16 +91,6 @@ pub async fn expect_not_served(store: &Store, which: &'static str) -> Result<(),
         0 => Ok(()),
         count => Err(TransferError::Served { count, which }),
     }
-}
-
-/// Returns the maps of the target by name. One that the source has not would be another database's.
-fn only_of(maps: &[HeldMap], there: Vec<HeldMap>) -> Result<HashMap<MapId, HeldMap>, TransferError> {
-    for held in &there {
-        if !maps.iter().any(|map| map.id == held.id) {
-            return Err(TransferError::Foreign(format!("map {}", held.id)));
-        }
-    }
-    Ok(there.into_iter().map(|held| (held.id.clone(), held)).collect())
 }
 
 /// Fails if the target has a key that the source has not.

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use tokio::sync::{Semaphore, SemaphorePermit};
 use tokio::time::Instant;
 
 use super::port::Fault;
@@ -13,40 +14,38 @@ pub struct Breaker {
     failures_max: u32,
     pause: Duration,
     state: Mutex<State>,
+    /// One permit, for the one probe that may be in flight.
+    probe: Semaphore,
 }
 
 #[derive(Debug, Default)]
 struct State {
     failures: u32,
     open_until: Option<Instant>,
-    /// Whether a probe is in flight.
-    probing: bool,
 }
 
 /// An admitted question, whose outcome must be reported. Dropped without a report, it counts as neither.
 #[derive(Debug)]
 pub struct Admission<'a> {
     breaker: &'a Breaker,
-    probes: bool,
+    probe: Option<SemaphorePermit<'a>>,
 }
 
 impl Breaker {
     /// Creates a breaker that opens after a number of consecutive failures, for a time.
     pub fn new(failures_max: u32, pause: Duration) -> Self {
-        Self { failures_max, pause, state: Mutex::default() }
+        Self { failures_max, pause, state: Mutex::default(), probe: Semaphore::new(1) }
     }
 
     /// Admits a question, unless the breaker is open.
     pub fn admit(&self) -> Result<Admission<'_>, Fault> {
-        let mut state = self.lock();
-        let Some(open_until) = state.open_until else {
-            return Ok(Admission { breaker: self, probes: false });
+        let state = self.lock();
+        let probe = match state.open_until {
+            None => None,
+            Some(open_until) if Instant::now() < open_until => return Err(Fault::Away),
+            Some(_) => Some(self.probe.try_acquire().map_err(|_| Fault::Away)?),
         };
-        if state.probing || Instant::now() < open_until {
-            return Err(Fault::Away);
-        }
-        state.probing = true;
-        Ok(Admission { breaker: self, probes: true })
+        Ok(Admission { breaker: self, probe })
     }
 
     /// Whether the model counts as unavailable, which holds until a question is answered.
@@ -61,7 +60,7 @@ impl Breaker {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Three plain values, consistent after each assignment, so a poisoned lock is usable.
+        // Two plain values, consistent after each assignment, so a poisoned lock is usable.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -76,16 +75,8 @@ impl Admission<'_> {
     pub fn failed(self) {
         let mut state = self.breaker.lock();
         state.failures = state.failures.saturating_add(1);
-        if self.probes || state.failures >= self.breaker.failures_max {
+        if self.probe.is_some() || state.failures >= self.breaker.failures_max {
             state.open_until = Some(Instant::now() + self.breaker.pause);
-        }
-    }
-}
-
-impl Drop for Admission<'_> {
-    fn drop(&mut self) {
-        if self.probes {
-            self.breaker.lock().probing = false;
         }
     }
 }

@@ -5,73 +5,49 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::daily_limits::{Day, Limits, Payer};
-use super::port::{Fault, Operation};
+use super::port::Fault;
 use crate::domain::key::KeySeq;
-use crate::store::{DayLimit, Job, Spent, Store, StoreError, UsageRow};
+use crate::domain::report::UsageLine;
+use crate::store::{DayLimit, Job, Spent, Store, StoreError, Totals};
 
 const SECONDS_A_DAY: u64 = 86_400;
 
 /// The number by which the server itself pays; keys begin with 1.
-const SERVER: i64 = 0;
-
-/// Totals of one operation and model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Totals {
-    /// Calls, including failed ones.
-    pub calls: i64,
-    /// Input tokens.
-    pub input_tokens: i64,
-    /// Output tokens.
-    pub output_tokens: i64,
-    /// Millionths of a US dollar.
-    pub microusd: i64,
-    /// Questions answered without a call.
-    pub cache_hits: i64,
-}
+pub(super) const SERVER: i64 = 0;
 
 /// The budget and its records.
 #[derive(Debug)]
 pub struct Budget {
     store: Store,
-    limits: Limits,
+    limits: DayLimit,
     books: Mutex<Books>,
 }
 
 #[derive(Debug, Default)]
 struct Books {
     today: i64,
-    day: Day,
-    day_of_key: BTreeMap<KeySeq, Day>,
+    /// What each payer spent today: the server everything, a key its own part.
+    day: BTreeMap<i64, Totals>,
+    /// By operation and model, since the database was created.
     ever: BTreeMap<(String, String), Totals>,
-    /// Cache hits not yet written; they are stored with the next call.
+    /// Cache hits of them that are not yet written; they are stored with the next call.
     unwritten_hits: BTreeMap<(String, String), i64>,
 }
 
 /// A reserved call that is not yet settled.
 #[derive(Debug)]
-pub struct Reservation {
-    day: i64,
-    operation: Operation,
-    model: Arc<str>,
-    microusd: i64,
-    key: Option<KeySeq>,
-}
+pub struct Reservation(Spent);
 
 impl Budget {
     /// Loads the records from disk.
-    pub async fn open(store: Store, limits: Limits) -> Result<Self, StoreError> {
+    pub async fn open(store: Store, limits: DayLimit) -> Result<Self, StoreError> {
         let today = today();
-        let mut books = Books { today, ..Books::default() };
-        for row in store.usage_since(today).await? {
-            books.day.calls += row.calls;
-            books.day.microusd += row.cost_microusd;
-        }
-        for (key, calls, microusd) in store.usage_of_keys(today).await? {
-            books.day_of_key.insert(KeySeq(key), Day { calls, microusd });
-        }
-        for row in store.usage_since(i64::MIN).await? {
-            books.ever.insert((row.operation.clone(), row.model.clone()), totals(&row));
+        let mut books = Books { today, ever: store.usage_since(i64::MIN).await?, ..Books::default() };
+        let of_keys = store.usage_of_keys(today).await?;
+        let of_server = store.usage_since(today).await?.into_values();
+        let of_server = of_server.map(|totals| (SERVER, totals.calls, totals.cost_microusd));
+        for (payer, calls, cost_microusd) in of_keys.into_iter().chain(of_server) {
+            books.of(payer).add(&Spent { calls, cost_microusd, ..Spent::default() });
         }
         Ok(Self { store, limits, books: Mutex::new(books) })
     }
@@ -79,119 +55,65 @@ impl Budget {
     /// Reserves the maximum cost of a call before the call.
     pub async fn reserve(
         &self,
-        operation: Operation,
+        operation: &'static str,
         model: &Arc<str>,
         microusd: i64,
-        payer: Option<&Payer>,
+        payer: Option<&DayLimit>,
     ) -> Result<Reservation, Fault> {
-        let day = today();
-        let payers_key = payer.map(|payer| payer.key);
-        let cache_hits = {
-            let mut books = self.lock();
-            books.turn_to(day);
-            let with_this = books.day.and(microusd);
-            let of_payer = payer.map(|payer| (payer, books.of(payer.key).and(microusd)));
-            if self.limits.broken_by(with_this)
-                || of_payer.is_some_and(|(payer, day)| payer.limits.broken_by(day))
-            {
+        let payers: Vec<DayLimit> = [self.limits].into_iter().chain(payer.copied()).collect();
+        let (spent, cache_hits) = {
+            let mut books = self.books();
+            if payers.iter().any(|payer| payer.excludes(microusd, books.of(payer.payer))) {
                 return Err(Fault::Spent);
             }
-            books.day = with_this;
-            if let Some((payer, day)) = of_payer {
-                books.day_of_key.insert(payer.key, day);
-            }
-            let key = (operation.as_str().to_owned(), model.to_string());
-            let totals = books.ever.entry(key.clone()).or_default();
-            totals.calls += 1;
-            totals.microusd += microusd;
-            books.unwritten_hits.remove(&key).unwrap_or_default()
+            let spent = Spent {
+                day: books.today,
+                operation,
+                model: model.clone(),
+                calls: 1,
+                cost_microusd: microusd,
+                key: payer.map(|payer| KeySeq(payer.payer)),
+                ..Spent::default()
+            };
+            books.add(&spent);
+            let cache_hits = books.unwritten_hits.remove(&name_of(operation, model)).unwrap_or_default();
+            (spent, cache_hits)
         };
-        let spent = Spent {
-            day,
-            operation: operation.as_str(),
-            model: model.clone(),
-            calls: 1,
-            cost_microusd: microusd,
-            cache_hits,
-            key: payers_key,
-            ..Spent::default()
-        };
-        if self.store.is_shared() && !Box::pin(self.is_reserved_among_others(day, microusd, payer)).await? {
-            self.undo(&Reservation { day, operation, model: model.clone(), microusd, key: payers_key });
+        // Other servers spend the same day.
+        if self.store.is_shared()
+            && !Box::pin(self.store.reserve_for_day(spent.day, microusd, &payers)).await?
+        {
+            self.books().add(&Spent { calls: -1, cost_microusd: -microusd, ..spent });
             return Err(Fault::Spent);
         }
-        let written = self.store.committer().commit(Job::Spend(spent)).await;
-        written.map_err(|error| Fault::Store(error.to_string()))?;
-        Ok(Reservation { day, operation, model: model.clone(), microusd, key: payers_key })
-    }
-
-    /// Reserves a call in the database, whose day other servers spend as well.
-    async fn is_reserved_among_others(
-        &self,
-        day: i64,
-        microusd: i64,
-        payer: Option<&Payer>,
-    ) -> Result<bool, Fault> {
-        let limit =
-            |payer: i64, limits: Limits| DayLimit { payer, calls: limits.calls, microusd: limits.microusd };
-        let mut payers = vec![limit(SERVER, self.limits)];
-        payers.extend(payer.map(|payer| limit(payer.key.0, payer.limits)));
-        let reserved = self.store.reserve_for_day(day, microusd, &payers).await;
-        reserved.map_err(|error| Fault::Store(error.to_string()))
-    }
-
-    /// Takes a reservation back that nothing came of.
-    fn undo(&self, reservation: &Reservation) {
-        let Reservation { day, operation, model, microusd, key } = reservation;
-        let mut books = self.lock();
-        if books.today == *day {
-            books.day.calls -= 1;
-            books.day.microusd -= microusd;
-            if let Some(of_key) = key.and_then(|key| books.day_of_key.get_mut(&key)) {
-                of_key.calls -= 1;
-                of_key.microusd -= microusd;
-            }
-        }
-        let totals = books.ever.entry((operation.as_str().to_owned(), model.to_string())).or_default();
-        totals.calls -= 1;
-        totals.microusd -= microusd;
+        self.store.committer().commit(Job::Spend(Spent { cache_hits, ..spent.clone() })).await?;
+        Ok(Reservation(spent))
     }
 
     /// Settles a call by its actual usage. Written asynchronously; until then the spending is overestimated.
-    pub fn settle(&self, reservation: Reservation, input_tokens: u64, output_tokens: u64, microusd: i64) {
-        let Reservation { day, operation, model, microusd: reserved, key } = reservation;
-        let (input_tokens, output_tokens) = (input_tokens as i64, output_tokens as i64);
-        let too_much = microusd - reserved;
-        {
-            let mut books = self.lock();
-            if books.today == day {
-                books.day.microusd += too_much;
-                if let Some(of_key) = key.and_then(|key| books.day_of_key.get_mut(&key)) {
-                    of_key.microusd += too_much;
-                }
-            }
-            let totals = books.ever.entry((operation.as_str().to_owned(), model.to_string())).or_default();
-            totals.microusd += too_much;
-            totals.input_tokens += input_tokens;
-            totals.output_tokens += output_tokens;
-        }
+    pub fn settle(
+        &self,
+        Reservation(reserved): Reservation,
+        input_tokens: u64,
+        output_tokens: u64,
+        microusd: i64,
+    ) {
         let spent = Spent {
-            day,
-            operation: operation.as_str(),
-            model,
-            input_tokens,
-            output_tokens,
-            cost_microusd: too_much,
-            key,
-            ..Spent::default()
+            calls: 0,
+            input_tokens: input_tokens as i64,
+            output_tokens: output_tokens as i64,
+            cost_microusd: microusd - reserved.cost_microusd,
+            ..reserved
         };
-        self.store.committer().submit_alone(Job::Spend(spent));
+        self.books().add(&spent);
+        self.store.committer().submit_alone(Job::Spend(spent.clone()));
         if self.store.is_shared() {
             let store = self.store.clone();
             // Until it is done, and if it is not, the day's spending is overestimated.
             tokio::spawn(async move {
-                for payer in [Some(SERVER), key.map(|key| key.0)].into_iter().flatten() {
-                    if let Err(error) = store.give_back_for_day(day, (0, -too_much), payer).await {
+                for payer in payers_of(&spent) {
+                    let given_back = (0, -spent.cost_microusd);
+                    if let Err(error) = store.give_back_for_day(spent.day, given_back, payer).await {
                         tracing::warn!(%error, "a call of a model was not settled");
                     }
                 }
@@ -200,68 +122,93 @@ impl Budget {
     }
 
     /// Counts a question answered without a call.
-    pub fn hit(&self, operation: Operation, model: &str) {
-        let key = (operation.as_str().to_owned(), model.to_owned());
-        let mut books = self.lock();
-        books.ever.entry(key.clone()).or_default().cache_hits += 1;
-        *books.unwritten_hits.entry(key).or_default() += 1;
+    pub fn hit(&self, operation: &'static str, model: &str) {
+        let name = name_of(operation, model);
+        let mut books = self.books();
+        books.ever.entry(name.clone()).or_default().cache_hits += 1;
+        *books.unwritten_hits.entry(name).or_default() += 1;
     }
 
     /// Whether today's budget has no room for another call.
     pub fn is_spent(&self) -> bool {
-        let mut books = self.lock();
-        books.turn_to(today());
-        self.limits.used_up_by(books.day)
+        self.is_spent_for(&self.limits)
     }
 
-    /// Whether a key's own budget of today has no room for another call.
-    pub fn is_spent_for(&self, payer: &Payer) -> bool {
-        let mut books = self.lock();
-        books.turn_to(today());
-        payer.limits.used_up_by(books.of(payer.key))
+    /// Whether a payer's own budget of today has no room for another call.
+    pub fn is_spent_for(&self, payer: &DayLimit) -> bool {
+        payer.excludes(1, self.books().of(payer.payer))
     }
 
     /// Returns the totals by operation and model since the database was created.
-    pub fn usage(&self) -> Vec<(String, String, Totals)> {
-        let books = self.lock();
-        books.ever.iter().map(|((operation, model), t)| (operation.clone(), model.clone(), *t)).collect()
+    pub fn usage(&self) -> Vec<UsageLine> {
+        let line = |((operation, model), totals): (&(String, String), &Totals)| UsageLine {
+            operation: operation.clone(),
+            model: model.clone(),
+            calls: totals.calls as u64,
+            input_tokens: totals.input_tokens as u64,
+            output_tokens: totals.output_tokens as u64,
+            microusd: totals.cost_microusd as u64,
+            cache_hits: totals.cache_hits as u64,
+        };
+        self.books().ever.iter().map(line).collect()
     }
 
-    /// Returns today's calls and cost in millionths of a dollar, and their limits.
-    pub fn today(&self) -> (i64, i64, Limits) {
-        let mut books = self.lock();
-        books.turn_to(today());
-        (books.day.calls, books.day.microusd, self.limits)
+    /// Returns today's totals, and their limits.
+    pub fn today(&self) -> (Totals, DayLimit) {
+        (*self.books().of(SERVER), self.limits)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Books> {
+    /// Locks the books, opened at today.
+    fn books(&self) -> MutexGuard<'_, Books> {
         // Sums: the last complete assignment is usable after a poisoned lock.
-        self.books.lock().unwrap_or_else(PoisonError::into_inner)
+        let mut books = self.books.lock().unwrap_or_else(PoisonError::into_inner);
+        let today = today();
+        if books.today != today {
+            books.today = today;
+            books.day.clear();
+        }
+        books
+    }
+}
+
+impl DayLimit {
+    /// Whether one more call of this cost, in millionths of a US dollar, would exceed the limits.
+    fn excludes(&self, microusd: i64, day: &Totals) -> bool {
+        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
+        over(self.calls, day.calls + 1) || over(self.microusd, day.cost_microusd + microusd)
+    }
+}
+
+impl Totals {
+    fn add(&mut self, spent: &Spent) {
+        self.calls += spent.calls;
+        self.input_tokens += spent.input_tokens;
+        self.output_tokens += spent.output_tokens;
+        self.cost_microusd += spent.cost_microusd;
     }
 }
 
 impl Books {
-    fn turn_to(&mut self, day: i64) {
-        if day != self.today {
-            self.today = day;
-            self.day = Day::default();
-            self.day_of_key.clear();
-        }
+    /// Returns what a payer spent today.
+    fn of(&mut self, payer: i64) -> &mut Totals {
+        self.day.entry(payer).or_default()
     }
 
-    fn of(&self, key: KeySeq) -> Day {
-        self.day_of_key.get(&key).copied().unwrap_or_default()
+    /// Adds what was spent, or given back.
+    fn add(&mut self, spent: &Spent) {
+        if self.today == spent.day {
+            payers_of(spent).for_each(|payer| self.of(payer).add(spent));
+        }
+        self.ever.entry(name_of(spent.operation, &spent.model)).or_default().add(spent);
     }
 }
 
-fn totals(row: &UsageRow) -> Totals {
-    Totals {
-        calls: row.calls,
-        input_tokens: row.input_tokens,
-        output_tokens: row.output_tokens,
-        microusd: row.cost_microusd,
-        cache_hits: row.cache_hits,
-    }
+fn name_of(operation: &str, model: &str) -> (String, String) {
+    (operation.to_owned(), model.to_owned())
+}
+
+fn payers_of(spent: &Spent) -> impl Iterator<Item = i64> + use<> {
+    [Some(SERVER), spent.key.map(|key| key.0)].into_iter().flatten()
 }
 
 /// Returns the days since 1970, UTC.
@@ -280,7 +227,7 @@ mod tests {
     async fn servers_that_share_a_database_spend_its_budget_once() {
         let folder = tempfile::tempdir().unwrap();
         let database = postgres_in(folder.path()).await;
-        let limits = Limits { microusd: Some(1_000), calls: None };
+        let limits = DayLimit { payer: SERVER, microusd: Some(1_000), calls: None };
         let model: Arc<str> = "model".into();
         let mut budgets = Vec::new();
         for _ in 0..2 {
@@ -289,7 +236,7 @@ mod tests {
         }
         let asks = (0..40).map(|number| {
             let (budget, model) = (budgets[number % 2].clone(), model.clone());
-            tokio::spawn(async move { budget.reserve(Operation::Describe, &model, 100, None).await })
+            tokio::spawn(async move { budget.reserve("describe", &model, 100, None).await })
         });
         let mut reserved = Vec::new();
         for asked in asks.collect::<Vec<_>>() {
@@ -304,7 +251,7 @@ mod tests {
         budgets[0].settle(last, 1, 1, 0);
         let mut is_there = false;
         for _ in 0..200 {
-            is_there = budgets[1].reserve(Operation::Describe, &model, 100, None).await.is_ok();
+            is_there = budgets[1].reserve("describe", &model, 100, None).await.is_ok();
             if is_there {
                 break;
             }

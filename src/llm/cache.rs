@@ -57,17 +57,14 @@ impl AnswerCache {
         ask: impl Future<Output = Result<String, Fault>>,
     ) -> Result<Arc<str>, Fault> {
         let find = async {
-            let kept = self.store.answer(&key).await.map_err(|error| Fault::Store(error.to_string()))?;
-            if let Some(answer) = kept {
+            if let Some(answer) = self.store.answer(&key).await? {
                 return Ok(answer.into());
             }
-            let erasures = self.store.erasures_so_far().await;
-            let erasures = erasures.map_err(|error| Fault::Store(error.to_string()))?;
+            let erasures = self.store.erasures_so_far().await?;
             let answer: Arc<str> = ask.await?.into();
             if let Some(erasures) = erasures.filter(|_| asked_for == self.now()) {
                 let job = Job::KeepAnswer { key, operation, model, answer: answer.clone(), erasures };
-                let kept = self.store.committer().commit(job).await;
-                kept.map_err(|error| Fault::Store(error.to_string()))?;
+                self.store.committer().commit(job).await?;
             }
             Ok(answer)
         };
@@ -81,7 +78,7 @@ pub fn key(model: &dyn Model, question: &Question) -> Key {
     let asked = prompt(question);
     let mut hash = Sha256::new();
     for part in [
-        question.operation().as_str(),
+        question.operation(),
         &model.identity(),
         &prompts::VERSION.to_string(),
         &asked.rules,

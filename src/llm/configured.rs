@@ -6,7 +6,7 @@ use std::time::Duration;
 use secrecy::SecretString;
 use thiserror::Error;
 
-use super::adapters::{self, Dialect, Endpoint, EndpointError, OpenAi, Scripted, Vqa};
+use super::adapters::{Dialect, Endpoint, EndpointError, Protocol, Remote, Scripted};
 use super::port::Model;
 use super::setup::Models;
 use super::tesseract::{ReaderError, Tesseract};
@@ -38,12 +38,11 @@ pub enum SetupError {
     Store(#[from] StoreError),
 }
 
-/// One model with its key, as configured.
-struct Chosen<'a> {
-    what: &'static str,
-    kind: Kind,
-    url: Option<&'a str>,
-    name: Option<&'a str>,
+/// The server of a model, as configured.
+struct Server<'a> {
+    flag: &'static str,
+    url: &'a Option<String>,
+    name: &'a Option<String>,
     key: Option<SecretString>,
 }
 
@@ -53,52 +52,56 @@ impl Models {
         if !args.any() {
             return Ok(None);
         }
-        let model = Chosen {
-            what: "--model-url",
-            kind: args.model_kind,
-            url: args.model_url.as_deref(),
-            name: args.model_name.as_deref(),
+        let model = Server {
+            flag: "--model-url",
+            url: &args.model_url,
+            name: &args.model_name,
             key: args.model_key().map_err(SetupError::Key)?,
         };
-        let vision = Chosen {
-            what: "--model-vision-url",
-            kind: args.model_vision_kind,
-            url: args.model_vision_url.as_deref(),
-            name: args.model_vision_name.as_deref(),
+        let vision = Server {
+            flag: "--model-vision-url",
+            url: &args.model_vision_url,
+            name: &args.model_vision_name,
             key: args.model_vision_key().map_err(SetupError::Key)?,
         };
-        let found = [adapter(model, args)?, adapter(vision, args)?];
-        let embeddings = embeddings(args)?;
+        let model = model.of_kind(args.model_kind, args)?;
+        let vision = vision.of_kind(args.model_vision_kind, args)?;
+        let embeddings = Server {
+            flag: "--model-embeddings-url",
+            url: &args.model_embeddings_url,
+            name: &args.model_embeddings_name,
+            key: match args.model_embeddings_url {
+                Some(_) => args.model_embeddings_key().map_err(SetupError::Key)?,
+                None => None,
+            },
+        };
+        let found = [model, vision, embeddings.speaking(Protocol::Embeddings, args)?];
         let reader = match args.reader {
             Reader::None => None,
             Reader::Tesseract => Some(Tesseract::find().await?),
         };
-        let models = Self::all(found, embeddings, reader, args, store).await?;
-        let is_alone = models.embeddings.is_some() && !models.judge.has_model();
+        let models = Self::with(found, reader, args, store).await?;
+        let is_alone = models.embeddings.is_some() && models.judge.model.is_none();
         if is_alone { Err(SetupError::EmbeddingsAlone) } else { Ok(Some(models)) }
     }
 }
 
-fn embeddings(args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
-    let Some(url) = &args.model_embeddings_url else { return Ok(None) };
-    let key = args.model_embeddings_key().map_err(SetupError::Key)?;
-    let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
-    let endpoint = Endpoint::new(url, "embeddings", key, connect_timeout)?;
-    let name = args.model_embeddings_name.as_deref().ok_or(SetupError::NoName("--model-embeddings-url"))?;
-    Ok(Some(Arc::new(adapters::Embeddings::new(endpoint, name))))
-}
+impl Server<'_> {
+    fn of_kind(self, kind: Kind, args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
+        match kind {
+            Kind::Openai => self.speaking(Protocol::Chat(Dialect::from(args)), args),
+            Kind::Vqa => self.speaking(Protocol::Vqa, args),
+            Kind::Scripted => Ok(Some(Arc::new(Scripted::rehearsal()))),
+        }
+    }
 
-fn adapter(chosen: Chosen<'_>, args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
-    if chosen.kind == Kind::Scripted {
-        return Ok(Some(Arc::new(Scripted::rehearsal())));
+    /// Returns the model, if there is an address.
+    fn speaking(self, protocol: Protocol, args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
+        let Some(url) = self.url else { return Ok(None) };
+        let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
+        let endpoint = Endpoint::new(url, protocol.path(), self.key, connect_timeout)?;
+        let unnamed = (protocol == Protocol::Vqa).then_some("vqa");
+        let name = self.name.as_deref().or(unnamed).ok_or(SetupError::NoName(self.flag))?;
+        Ok(Some(Arc::new(Remote::new(endpoint, name, protocol))))
     }
-    let Some(url) = chosen.url else { return Ok(None) };
-    let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
-    if chosen.kind == Kind::Vqa {
-        let endpoint = Endpoint::new(url, "", chosen.key, connect_timeout)?;
-        return Ok(Some(Arc::new(Vqa::new(endpoint, chosen.name.unwrap_or("vqa")))));
-    }
-    let endpoint = Endpoint::new(url, "chat/completions", chosen.key, connect_timeout)?;
-    let name = chosen.name.ok_or(SetupError::NoName(chosen.what))?;
-    Ok(Some(Arc::new(OpenAi::new(endpoint, name, Dialect::from(args)))))
 }

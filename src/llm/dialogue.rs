@@ -5,15 +5,15 @@
 
 use std::sync::Arc;
 
-use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::judge::class_name;
 use super::parse;
 use super::picture::Picture;
 use super::port::{Fault, Question, Round};
 use super::tesseract::{self, Tesseract};
-use crate::domain::judged::TranscriptStep;
+use crate::domain::judged::{CropReading, TranscriptStep};
 use crate::semantics::{self, Text};
+use crate::store::DayLimit;
 
 /// Maximum rounds about a door, a sign or a shelf, which are short texts.
 const ROUNDS_OF_PLATE: usize = 3;
@@ -55,25 +55,13 @@ pub struct Describer {
     pub reader: Option<Tesseract>,
 }
 
-/// The result for a crop.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Described {
-    /// The description; empty if the crop could not be read.
-    pub text: String,
-    /// `model:<name>`, or the reader's name.
-    pub source: Arc<str>,
-    /// Whether a model described it.
-    pub described: bool,
-    /// Whether a substitute answered for an unavailable model.
-    pub degraded: bool,
-    /// The dialogue.
-    pub transcript: Vec<TranscriptStep>,
-}
+/// The result for a crop: its reading, empty if it could not be read, and the dialogue.
+pub type Described = (CropReading, Vec<TranscriptStep>);
 
 impl Describer {
     /// Returns a copy whose calls are charged to this payer.
-    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
-        let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
+    pub fn paid_by(&self, payer: Option<DayLimit>) -> Self {
+        let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer));
         Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
     }
 
@@ -105,13 +93,11 @@ impl Describer {
         let mut dialogue =
             Dialogue { describer: self, eyes, picture, class: class_name(class), hint, transcript };
         match dialogue.hold().await {
-            Ok((text, degraded)) => Ok(Described {
-                text,
-                source: eyes.source(),
-                described: true,
-                degraded,
-                transcript: dialogue.transcript,
-            }),
+            Ok((text, degraded)) => {
+                let text = text.into();
+                let reading = CropReading { text, source: eyes.source(), described: true, degraded };
+                Ok((reading, dialogue.transcript))
+            }
             // The reader substitutes, and the crop is described again once the model is available.
             Err(_) if read.is_some() => Ok(by_reader(read, true, dialogue.transcript)),
             Err(fault) => Err(fault),
@@ -128,15 +114,18 @@ impl Describer {
                 return None;
             }
         };
-        let question = "(one line of characters)".to_owned();
-        transcript.push(TranscriptStep { speaker: tesseract::SOURCE.into(), question, answer: read.clone() });
+        transcript.push(step(tesseract::SOURCE.into(), "(one line of characters)", &read));
         Some(read).filter(|read| !says_nothing(read))
     }
 }
 
 fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptStep>) -> Described {
-    let text = read.unwrap_or_default();
-    Described { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
+    let (text, source) = (read.unwrap_or_default().into(), tesseract::SOURCE.into());
+    (CropReading { text, source, described: false, degraded }, transcript)
+}
+
+fn step(speaker: Arc<str>, question: &str, answer: &str) -> TranscriptStep {
+    TranscriptStep { speaker, question: question.to_owned(), answer: answer.to_owned() }
 }
 
 /// Returns the distinct contents of the answers.
@@ -146,7 +135,7 @@ pub(super) fn summary(history: &[Round]) -> String {
     informative
         .map(str::to_owned)
         .reduce(|all, answer| semantics::merge(&all, &answer))
-        .unwrap_or_else(|| "unknown".to_owned())
+        .unwrap_or_else(|| UNKNOWN.to_owned())
 }
 
 /// Returns the maximum rounds of a dialogue about an object of a class.
@@ -201,19 +190,14 @@ impl Dialogue<'_> {
             return Ok((String::new(), false));
         }
         let own = summary(&rounds);
-        match &self.describer.tongue {
-            // Without the flagged answer a model's summary would omit the sign.
-            Some(tongue) if !settled && !flagged => match self.sum_up(tongue, &rounds).await {
-                Ok(summary) if is_backed(&summary, &rounds) => Ok((summary, false)),
-                Ok(_) => Ok((own, false)),
-                Err(_) => Ok((own, true)),
-            },
-            _ => Ok((own, false)),
-        }
-    }
-
-    fn is_picture(&self) -> bool {
-        is_picture(&self.class)
+        // Without the flagged answer a model's summary would omit the sign.
+        let Some(tongue) = self.describer.tongue.as_ref().filter(|_| !settled && !flagged) else {
+            return Ok((own, false));
+        };
+        Ok(match self.sum_up(tongue, &rounds).await {
+            Ok(summary) if is_backed(&summary, &rounds) => (summary, false),
+            told => (own, told.is_err()),
+        })
     }
 
     async fn question(&mut self, number: usize, rounds: &[Round]) -> String {
@@ -223,7 +207,7 @@ impl Dialogue<'_> {
                 "Which text, number, name or code is written on this {class}? Answer with the exact characters, or: unknown."
             );
         }
-        if number == 1 && !self.is_picture() {
+        if number == 1 && !is_picture(&self.class) {
             return AGAIN.to_owned();
         }
         let fixed = FIXED[(number - 1) % FIXED.len()].to_owned();
@@ -243,22 +227,14 @@ impl Dialogue<'_> {
         let look =
             Question::Look { picture: self.picture.clone(), question: question.to_owned(), history, hint };
         let answer = parse::look(&self.eyes.ask(look).await?.content)?;
-        self.transcript.push(TranscriptStep {
-            speaker: self.eyes.source(),
-            question: question.to_owned(),
-            answer: answer.clone(),
-        });
+        self.transcript.push(step(self.eyes.source(), question, &answer));
         Ok(answer)
     }
 
     async fn sum_up(&mut self, tongue: &Gateway, rounds: &[Round]) -> Result<String, Fault> {
         let question = Question::Summary { class: self.class.clone(), history: rounds.to_vec() };
         let summary = parse::text(&tongue.ask(question).await?.content)?;
-        self.transcript.push(TranscriptStep {
-            speaker: tongue.source(),
-            question: "(summary)".to_owned(),
-            answer: summary.clone(),
-        });
+        self.transcript.push(step(tongue.source(), "(summary)", &summary));
         Ok(summary)
     }
 }

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use moka::sync::Cache;
 
-use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};
 use crate::recognition::anchors::pairs;
 use crate::semantics::Embedding;
+use crate::store::DayLimit;
 
 /// Maximum bytes of embeddings in memory; each component takes a byte.
 const BYTES_AT_HAND: u64 = 64 << 20;
@@ -45,36 +45,27 @@ impl Embeddings {
 
     /// Returns the time for which the unavailable model is not called; meanwhile words select the pairs.
     pub fn away_for(&self) -> Option<Duration> {
-        self.model.breaker().closed_for().filter(|left| !left.is_zero())
+        self.model.breaker.closed_for().filter(|left| !left.is_zero())
     }
 
     /// Loads the embedding of a text into memory, charged to the payer.
-    pub async fn take(&self, text: &str, payer: Option<Payer>) -> Result<(), Fault> {
-        match self.ask(text, payer).await {
-            Ok(embedding) => {
-                self.at_hand.insert(text.into(), Arc::new(embedding));
-                // If other texts fill the memory, words select the pairs: otherwise it would be requested again and
-                // again.
-                self.at_hand.run_pending_tasks();
-                if self.at_hand.contains_key(text) {
-                    self.failed.invalidate(text);
-                } else {
-                    self.failed.insert(text.into(), ());
-                }
-                Ok(())
-            }
-            Err(fault) => {
-                if fault.is_about_the_question() {
-                    self.failed.insert(text.into(), ());
-                }
-                Err(fault)
-            }
+    pub async fn take(&self, text: &str, payer: Option<DayLimit>) -> Result<(), Fault> {
+        let asked = self.model.paid_by(payer).ask(Question::Embed { text: text.to_owned() }).await;
+        let told = asked.and_then(|answered| parse::embedding(&answered.content)).map(|embedding| {
+            self.at_hand.insert(text.into(), Arc::new(embedding));
+            self.at_hand.run_pending_tasks();
+        });
+        let is_left_out = match &told {
+            // If other texts fill the memory, words select the pairs: otherwise it would be requested again and again.
+            Ok(()) => !self.at_hand.contains_key(text),
+            Err(fault) => fault.is_about_the_question(),
+        };
+        if is_left_out {
+            self.failed.insert(text.into(), ());
+        } else if told.is_ok() {
+            self.failed.invalidate(text);
         }
-    }
-
-    async fn ask(&self, text: &str, payer: Option<Payer>) -> Result<Embedding, Fault> {
-        let answered = self.model.paid_by(payer).ask(Question::Embed { text: text.to_owned() }).await?;
-        parse::embedding(&answered.content)
+        told
     }
 }
 

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::Models;
 use super::dialogue::rounds_of;
-use super::picture::Picture;
 use super::port::{Question, Round};
 use crate::domain::judgement::{Estimate, TextFunction, Workload};
 
@@ -17,9 +16,10 @@ impl Models {
             estimate.calls += count * of_one.calls;
             estimate.microusd += count * of_one.microusd;
         }
-        let Some(judge) = self.judge.model() else { return estimate };
+        let Some(judge) = &self.judge.model else { return estimate };
         for (function, count, chars) in &workload.texts {
-            let question = empty(*function);
+            let [class, a, b] = Default::default();
+            let question = Question::Texts { function: *function, class, a, b };
             // A 4 is asked again in reverse order.
             let turns = if *function == TextFunction::Similarity { 2 } else { 1 };
             let mean_chars = chars.div_ceil((*count).max(1));
@@ -61,15 +61,5 @@ fn longest_round() -> Round {
 }
 
 fn look(history: Vec<Round>) -> Question {
-    let picture = Picture { png: Vec::new(), hash: [0; 32], width: 0, height: 0 };
-    Question::Look { picture: Arc::new(picture), question: "x".repeat(ROUND_CHARS), history, hint: None }
-}
-
-fn empty(function: TextFunction) -> Question {
-    let [class, a, b] = [const { String::new() }; 3];
-    match function {
-        TextFunction::Information => Question::Information { class, text: a },
-        TextFunction::Merge => Question::Merge { class, a, b },
-        TextFunction::Similarity => Question::Similarity { class, a, b },
-    }
+    Question::Look { picture: Arc::default(), question: "x".repeat(ROUND_CHARS), history, hint: None }
 }

@@ -1,9 +1,8 @@
 //! Gateway to a model: cache, breaker, budget, retries, in this order. A question whose caller has gone is still
 //! completed, because it is paid for.
 
-use std::fmt::Write as _;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use backon::{ExponentialBuilder, Retryable as _};
@@ -14,14 +13,11 @@ use tracing::Instrument as _;
 use super::breaker::Breaker;
 use super::budget::Budget;
 use super::cache::{AnswerCache, AskedFor, key};
-use super::daily_limits::{Payer, Prices};
-use super::picture::Picture;
-use super::port::{Fault, Model, Question, Reply};
+use super::port::{Fault, Model, Question, Reply, Role};
 use super::prompts::prompt;
 use super::{parse, prompts};
-
-/// Sufficient to distinguish models.
-const FINGERPRINT_BYTES: usize = 8;
+use crate::config::models::ModelArgs;
+use crate::store::DayLimit;
 
 /// English text has about four characters per token; three is a safe estimate.
 const CHARS_PER_TOKEN: usize = 3;
@@ -35,48 +31,11 @@ const PAUSE_MAX: Duration = Duration::from_secs(30);
 /// Maximum attempts with unusable answers; a third answer would hardly differ.
 const UNUSABLE_ANSWERS_MAX: u32 = 2;
 
-/// The parameters of a call.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Policy {
-    /// Timeout of an answer about texts.
-    pub text_timeout: Duration,
-    /// Timeout of an answer about an image.
-    pub vision_timeout: Duration,
-    /// Maximum retries after a transient failure.
-    pub retries: usize,
-    /// Delay before the first retry; it doubles each time.
-    pub retry_delay: Duration,
-    /// Maximum tokens of an answer, for the reservation.
-    pub max_tokens: u32,
-    /// Prices of tokens, by the question's role.
-    pub prices: RolePrices,
-}
-
-/// Prices by role: a local vision model may be free while the model for texts is paid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RolePrices {
-    /// Of questions about texts.
-    pub text: Prices,
-    /// Of questions about images.
-    pub vision: Prices,
-    /// Of embeddings.
-    pub embeddings: Prices,
-}
-
-impl RolePrices {
-    /// Returns the prices of a question.
-    pub fn of(&self, question: &Question) -> Prices {
-        match question {
-            Question::Embed { .. } => self.embeddings,
-            question if question.needs_eyes() => self.vision,
-            _ => self.text,
-        }
-    }
-}
-
 /// State shared by all models.
 #[derive(Debug)]
 pub struct Shared {
+    /// The timeouts, retries and prices.
+    pub args: ModelArgs,
     /// Cached answers.
     pub cache: AnswerCache,
     /// The budget.
@@ -92,10 +51,9 @@ pub struct Shared {
 pub struct Gateway {
     model: Arc<dyn Model>,
     name: Arc<str>,
-    breaker: Arc<Breaker>,
-    policy: Policy,
+    pub(super) breaker: Arc<Breaker>,
     shared: Arc<Shared>,
-    payer: Option<Payer>,
+    payer: Option<DayLimit>,
     asked_for: AskedFor,
 }
 
@@ -110,14 +68,21 @@ pub struct Answered {
 
 impl Gateway {
     /// Returns the gateway to a model.
-    pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
-        let name = model.name().into();
-        let asked_for = AskedFor::default();
-        Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None, asked_for }
+    pub fn new(model: Arc<dyn Model>, shared: Arc<Shared>) -> Self {
+        let pause = Duration::from_millis(shared.args.model_breaker_pause_ms);
+        let breaker = Arc::new(Breaker::new(shared.args.model_breaker_failures, pause));
+        Self {
+            name: model.name().into(),
+            model,
+            breaker,
+            shared,
+            payer: None,
+            asked_for: AskedFor::default(),
+        }
     }
 
     /// Returns a copy for what is asked for now, whose calls are charged to this payer.
-    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
+    pub fn paid_by(&self, payer: Option<DayLimit>) -> Self {
         Self { payer, asked_for: self.shared.cache.now(), ..self.clone() }
     }
 
@@ -130,38 +95,36 @@ impl Gateway {
     /// A different fingerprint means that verdicts may differ.
     pub fn fingerprint(&self) -> String {
         let hash = Sha256::digest(format!("{}\n{}", self.model.identity(), prompts::VERSION));
-        hash.iter().take(FINGERPRINT_BYTES).fold(String::new(), |mut name, byte| {
-            let _ = write!(name, "{byte:02x}");
-            name
-        })
+        // Eight bytes are sufficient to distinguish models.
+        format!("{:016x}", u64::from_be_bytes(hash.first_chunk().copied().unwrap_or_default()))
     }
 
     /// Returns the maximum cost of one call, in millionths of a US dollar, with `more_chars` characters beyond the
     /// question.
     pub(super) fn most(&self, question: &Question, more_chars: u64) -> u64 {
         let input = tokens_sent(question) + more_chars / CHARS_PER_TOKEN as u64;
-        self.policy.prices.of(question).microusd(input, u64::from(self.policy.max_tokens)).unsigned_abs()
+        self.microusd(question, input, u64::from(self.shared.args.model_max_tokens)).unsigned_abs()
     }
 
-    /// Whether this model can answer such questions.
-    pub fn can(&self, question: &Question) -> bool {
-        self.model.can(question)
+    /// Returns the cost of tokens, in millionths of a US dollar, rounded up.
+    fn microusd(&self, question: &Question, input_tokens: u64, output_tokens: u64) -> i64 {
+        let args = &self.shared.args;
+        let (text_input, text_output) = (args.model_input_usd, args.model_output_usd);
+        // US dollars per million tokens equal millionths of a dollar per token.
+        let (input_usd, output_usd) = match question.role() {
+            Role::Text => (text_input, text_output),
+            Role::Vision => (
+                args.model_vision_input_usd.unwrap_or(text_input),
+                args.model_vision_output_usd.unwrap_or(text_output),
+            ),
+            Role::Embeddings => (args.model_embeddings_usd, 0.0),
+        };
+        (input_tokens as f64 * input_usd + output_tokens as f64 * output_usd).ceil() as i64
     }
 
-    /// Whether this model can look at images.
-    pub fn sees(&self) -> bool {
-        let picture = Picture { png: Vec::new(), hash: [0; 32], width: 0, height: 0 };
-        self.model.can(&Question::Look {
-            picture: Arc::new(picture),
-            question: String::new(),
-            history: Vec::new(),
-            hint: None,
-        })
-    }
-
-    /// Returns the breaker of the model.
-    pub fn breaker(&self) -> &Breaker {
-        &self.breaker
+    /// Whether this model can answer the questions of a role.
+    pub fn can(&self, role: Role) -> bool {
+        self.model.can(role)
     }
 
     /// Answers a question. Concurrent equal questions share one call.
@@ -179,7 +142,7 @@ impl Gateway {
             self.call(&question).await.map(|reply| reply.content)
         };
         let (key, operation) = (key(&*self.model, &question), question.operation());
-        let of = (operation.as_str(), self.name.clone());
+        let of = (operation, self.name.clone());
         let found = self.shared.cache.get_or_ask(key, of, self.asked_for, ask).await;
         let cached = !called.load(Ordering::Relaxed);
         match found {
@@ -192,7 +155,7 @@ impl Gateway {
             Err(fault) => {
                 if !cached {
                     self.shared.failures.fetch_add(1, Ordering::Relaxed);
-                    tracing::warn!(model = &*self.name, operation = operation.as_str(), %fault, "no answer");
+                    tracing::warn!(model = &*self.name, operation, %fault, "no answer");
                 }
                 Err(fault)
             }
@@ -201,24 +164,23 @@ impl Gateway {
 
     /// Calls the model, with retries after transient failures, and reports the outcome to the breaker.
     async fn call(&self, question: &Question) -> Result<Reply, Fault> {
-        if !self.model.can(question) {
+        if !self.model.can(question.role()) {
             return Err(Fault::Unable);
         }
         let _slot = self.shared.calls.acquire().await.map_err(|_| Fault::Away)?;
         let admission = self.breaker.admit()?;
-        let unusable = AtomicU32::new(0);
+        let mut unusable = 0;
         let pauses = ExponentialBuilder::default()
             .with_jitter()
-            .with_min_delay(self.policy.retry_delay)
+            .with_min_delay(Duration::from_millis(self.shared.args.model_retry_delay_ms))
             .with_max_delay(PAUSE_MAX)
-            .with_max_times(self.policy.retries);
+            .with_max_times(usize::from(self.shared.args.model_retries));
         let answered = (|| self.attempt(question))
             .retry(pauses)
             .when(Fault::is_passing)
             .adjust(|fault, pause| {
-                let garbled = matches!(fault, Fault::Garbled(_));
-                let seen = unusable.fetch_add(u32::from(garbled), Ordering::Relaxed) + u32::from(garbled);
-                pause_after(fault, pause, seen)
+                unusable += u32::from(matches!(fault, Fault::Garbled(_)));
+                pause_after(fault, pause, unusable)
             })
             .await;
         match &answered {
@@ -234,29 +196,24 @@ impl Gateway {
         answered
     }
 
-    /// Returns the maximum tokens of an answer; an embedding is not counted in tokens.
-    fn tokens_received_max(&self, question: &Question) -> u64 {
-        if matches!(question, Question::Embed { .. }) { 0 } else { u64::from(self.policy.max_tokens) }
-    }
-
     /// Makes one call: reserves, calls, settles, checks.
     async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
-        let budget = &self.shared.budget;
-        let (input_max, output_max) = (tokens_sent(question), self.tokens_received_max(question));
-        let prices = self.policy.prices.of(question);
-        let most = prices.microusd(input_max, output_max);
+        let (budget, args) = (&self.shared.budget, &self.shared.args);
+        let input_max = tokens_sent(question);
+        let most = self.microusd(question, input_max, u64::from(args.model_max_tokens));
         let reservation = budget.reserve(question.operation(), &self.name, most, self.payer.as_ref()).await?;
-        let limit = if question.needs_eyes() { self.policy.vision_timeout } else { self.policy.text_timeout };
-        let answered = match tokio::time::timeout(limit, self.model.answer(question)).await {
-            Ok(answered) => answered,
-            Err(_) => Err(Fault::TimedOut(limit)),
-        };
+        let limit = Duration::from_millis(match question.role() {
+            Role::Vision => args.model_vision_timeout_ms,
+            Role::Text | Role::Embeddings => args.model_text_timeout_ms,
+        });
+        let answered = tokio::time::timeout(limit, self.model.answer(question)).await;
+        let answered = answered.unwrap_or(Err(Fault::TimedOut(limit)));
         match &answered {
             Ok(reply) => {
                 let input = reply.input_tokens.unwrap_or(input_max);
                 let output =
                     reply.output_tokens.unwrap_or((reply.content.len() / CHARS_PER_TOKEN) as u64 + 1);
-                budget.settle(reservation, input, output, prices.microusd(input, output));
+                budget.settle(reservation, input, output, self.microusd(question, input, output));
             }
             // The call may have been answered and charged, so the reservation is kept.
             Err(Fault::TimedOut(_) | Fault::Garbled(_)) => budget.settle(reservation, 0, 0, most),
@@ -281,7 +238,7 @@ fn pause_after(fault: &Fault, pause: Option<Duration>, unusable_answers: u32) ->
 
 fn tokens_sent(question: &Question) -> u64 {
     let asked = prompt(question);
-    let image = if question.needs_eyes() { TOKENS_PER_IMAGE } else { 0 };
+    let image = if question.role() == Role::Vision { TOKENS_PER_IMAGE } else { 0 };
     ((asked.rules.len() + asked.data.len()) / CHARS_PER_TOKEN) as u64 + image
 }
 

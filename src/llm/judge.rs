@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 
-use super::daily_limits::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};
+use crate::domain::judgement::TextFunction;
 use crate::semantics::{self, Route, Text};
+use crate::store::DayLimit;
 
 /// The name of the built-in judge.
 pub const BUILT_IN: &str = "lexical";
@@ -33,6 +34,12 @@ pub struct Judged {
     pub degraded: bool,
 }
 
+impl Judged {
+    fn built_in(level: u8, source: &str, reason: String) -> Self {
+        Self { level, source: source.to_owned(), reason, cached: false, degraded: false }
+    }
+}
+
 /// Two descriptions merged into one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Merged {
@@ -49,80 +56,57 @@ pub struct Merged {
 /// The three functions of §IV-A.2.
 #[derive(Clone, Debug, Default)]
 pub struct Judge {
-    model: Option<Gateway>,
+    /// The model to consult on open questions; without one, the built-in judge alone.
+    pub(crate) model: Option<Gateway>,
+    /// Maximum time that an answer waits for the model; unlimited without one.
+    pub(crate) patience: Option<Duration>,
 }
 
 impl Judge {
-    /// Creates a judge that consults this model on open questions; without one, the built-in judge alone.
-    pub fn new(model: Option<Gateway>) -> Self {
-        Self { model }
-    }
-
     /// Returns a copy whose calls are charged to this payer.
-    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
-        Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
-    }
-
-    /// Returns the model to judge by.
-    pub(super) fn model(&self) -> Option<&Gateway> {
-        self.model.as_ref()
-    }
-
-    /// Whether there is a model to judge by.
-    pub fn has_model(&self) -> bool {
-        self.model.is_some()
+    pub fn paid_by(&self, payer: Option<DayLimit>) -> Self {
+        Self { model: self.model.as_ref().map(|model| model.paid_by(payer)), patience: self.patience }
     }
 
     /// Computes SimilarityLevel. Symmetric: the pair is asked in one order.
-    pub async fn similarity(&self, class: &str, a: &str, b: &str, patience: Option<Duration>) -> Judged {
+    pub async fn similarity(&self, class: &str, a: &str, b: &str) -> Judged {
         let (of_a, of_b) = (Text::parse(a), Text::parse(b));
         let route = semantics::route_similarity(&of_a, &of_b);
-        let built_in = judged(route.judgement());
+        let judgement = route.judgement();
+        let built_in = Judged::built_in(judgement.level, judgement.source.as_str(), judgement.reason.clone());
         let (Route::Open(_), Some(model)) = (&route, &self.model) else { return built_in };
-        if let Some(hostile) = not_sent(&built_in, &[a, b]) {
-            return hostile;
+        if [a, b].into_iter().any(semantics::addresses_a_model) {
+            let reason = format!("{}; no model was asked, for a text addresses it", built_in.reason);
+            return Judged { reason, ..built_in };
         }
         let (low, high) =
             (of_a.normalised().min(of_b.normalised()), of_a.normalised().max(of_b.normalised()));
-        match within(patience, ask_similarity(model, &class_name(class), low, high)).await {
-            Ok((level, reason, cached)) => Judged {
-                level: semantics::bound_similarity(&of_a, &of_b, level),
-                source: model.source().to_string(),
-                reason: reason.unwrap_or_else(|| "the model gave no reason".to_owned()),
-                cached,
-                degraded: false,
-            },
+        match self.wait_for(ask_similarity(model, class, low, high)).await {
+            Ok(told) => Judged { level: semantics::bound_similarity(&of_a, &of_b, told.level), ..told },
             Err(_) => Judged { degraded: true, ..built_in },
         }
     }
 
     /// Computes InformationLevel.
-    pub async fn information(&self, class: &str, text: &str, patience: Option<Duration>) -> Judged {
+    pub async fn information(&self, class: &str, text: &str) -> Judged {
         let parsed = Text::parse(text);
         let (level, reason) = semantics::information(&parsed);
-        let built_in = Judged { level, source: BUILT_IN.to_owned(), reason, cached: false, degraded: false };
+        let built_in = Judged::built_in(level, BUILT_IN, reason);
         let Some(model) = self.model.as_ref().filter(|_| semantics::information_is_open(&parsed)) else {
             return built_in;
         };
         // A sign that addresses a model is still rated, because its own level raises no pair.
         let most = if semantics::addresses_a_model(text) { FLAGGED_LEVEL_MAX } else { 5 };
-        let question =
-            Question::Information { class: class_name(class), text: parsed.normalised().to_owned() };
-        match within(patience, ask_level(model, question)).await {
-            Ok((level, reason, cached)) => Judged {
-                level: level.min(most),
-                source: model.source().to_string(),
-                reason: reason.unwrap_or_else(|| "the model gave no reason".to_owned()),
-                cached,
-                degraded: false,
-            },
+        let question = question(TextFunction::Information, class, parsed.normalised(), "");
+        match self.wait_for(ask_level(model, question)).await {
+            Ok(told) => Judged { level: told.level.min(most), ..told },
             Err(_) => Judged { degraded: true, ..built_in },
         }
     }
 
     /// Computes MergeText. A model's text is accepted only if it has the identifiers of both, no others, and no new
     /// digits.
-    pub async fn merge(&self, class: &str, a: &str, b: &str, patience: Option<Duration>) -> Merged {
+    pub async fn merge(&self, class: &str, a: &str, b: &str) -> Merged {
         let text = semantics::merge(a, b);
         let built_in = Merged { source: BUILT_IN.to_owned(), cached: false, degraded: false, text };
         let one_says_all = built_in.text == a || built_in.text == b;
@@ -134,8 +118,8 @@ impl Judge {
         let (clean_a, clean_b) = (semantics::clean(a), semantics::clean(b));
         let in_order = Text::parse(a).normalised() <= Text::parse(b).normalised();
         let (low, high) = if in_order { (clean_a, clean_b) } else { (clean_b, clean_a) };
-        let question = Question::Merge { class: class_name(class), a: low, b: high };
-        let asked = within(patience, async {
+        let question = question(TextFunction::Merge, class, &low, &high);
+        let asked = self.wait_for(async {
             let answered = model.ask(question).await?;
             Ok((parse::text(&answered.content)?, answered.cached))
         });
@@ -147,66 +131,40 @@ impl Judge {
             Err(_) => Merged { degraded: true, ..built_in },
         }
     }
+
+    /// Limits the time that the caller waits; the question continues without it.
+    async fn wait_for<T>(&self, asked: impl Future<Output = Result<T, Fault>>) -> Result<T, Fault> {
+        let patience = self.patience.unwrap_or(Duration::MAX);
+        tokio::time::timeout(patience, asked).await.unwrap_or(Err(Fault::TimedOut(patience)))
+    }
 }
 
 /// Asks a pair in canonical order. A 4 is asked again in reverse order, and the lower level counts.
-async fn ask_similarity(
-    model: &Gateway,
-    class: &str,
-    low: &str,
-    high: &str,
-) -> Result<(u8, Option<String>, bool), Fault> {
-    let question =
-        |a: &str, b: &str| Question::Similarity { class: class.to_owned(), a: a.to_owned(), b: b.to_owned() };
-    let first = ask_level(model, question(low, high)).await?;
-    if first.0 != SAME_OBJECT {
+async fn ask_similarity(model: &Gateway, class: &str, low: &str, high: &str) -> Result<Judged, Fault> {
+    let first = ask_level(model, question(TextFunction::Similarity, class, low, high)).await?;
+    if first.level != SAME_OBJECT {
         return Ok(first);
     }
-    let second = ask_level(model, question(high, low)).await?;
-    let cached = first.2 && second.2;
-    let (level, reason, _) = if second.0 < first.0 { second } else { first };
-    Ok((level, reason, cached))
+    let second = ask_level(model, question(TextFunction::Similarity, class, high, low)).await?;
+    let cached = first.cached && second.cached;
+    let lower = if second.level < first.level { second } else { first };
+    Ok(Judged { cached, ..lower })
 }
 
-async fn ask_level(model: &Gateway, question: Question) -> Result<(u8, Option<String>, bool), Fault> {
+async fn ask_level(model: &Gateway, question: Question) -> Result<Judged, Fault> {
     let answered = model.ask(question).await?;
     let (level, reason) = parse::level(&answered.content)?;
-    Ok((level, reason, answered.cached))
+    let reason = reason.unwrap_or_else(|| "the model gave no reason".to_owned());
+    let (source, cached) = (model.source().to_string(), answered.cached);
+    Ok(Judged { level, source, reason, cached, degraded: false })
 }
 
-/// Limits the time that the caller waits; the question continues without it.
-async fn within<T>(
-    patience: Option<Duration>,
-    asked: impl Future<Output = Result<T, Fault>>,
-) -> Result<T, Fault> {
-    match patience {
-        None => asked.await,
-        Some(patience) => {
-            tokio::time::timeout(patience, asked).await.unwrap_or(Err(Fault::TimedOut(patience)))
-        }
-    }
-}
-
-/// Returns the built-in verdict if a text addresses the model, so that it is not sent.
-fn not_sent(built_in: &Judged, texts: &[&str]) -> Option<Judged> {
-    texts.iter().any(|text| semantics::addresses_a_model(text)).then(|| Judged {
-        reason: format!("{}; no model was asked, for a text addresses it", built_in.reason),
-        ..built_in.clone()
-    })
+fn question(function: TextFunction, class: &str, a: &str, b: &str) -> Question {
+    Question::Texts { function, class: class_name(class), a: a.to_owned(), b: b.to_owned() }
 }
 
 /// Cleans a class, which is client input as well.
 pub fn class_name(class: &str) -> String {
     let name = semantics::clean(class);
     if name.is_empty() || semantics::addresses_a_model(&name) { "object".to_owned() } else { name }
-}
-
-fn judged(judgement: &semantics::Judgement) -> Judged {
-    Judged {
-        level: judgement.level,
-        source: judgement.source.as_str().to_owned(),
-        reason: judgement.reason.clone(),
-        cached: false,
-        degraded: false,
-    }
 }

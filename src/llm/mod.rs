@@ -3,7 +3,7 @@
 //! | concept | file |
 //! |---|---|
 //! | the port: question, answer, errors | [`port`] |
-//! | the adapters: chat, embeddings, VQA, scripted, built-in | [`adapters`] |
+//! | the adapters: chat, embeddings, VQA, scripted | [`adapters`] |
 //! | the prompts | [`prompts`] |
 //! | validation of answers | [`parse`] |
 //! | an image as it is sent | [`picture`] |
@@ -11,7 +11,6 @@
 //! | calls: cache, budget, breaker, retries, in this order | [`gateway`] |
 //! | cached answers | [`cache`] |
 //! | the daily budget and the usage | [`budget`] |
-//! | limits per day, and prices | [`daily_limits`] |
 //! | cost estimate of a re-evaluation | [`estimate`] |
 //! | the circuit breaker of an unavailable model | [`breaker`] |
 //! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
@@ -29,7 +28,6 @@ pub mod budget;
 pub mod cache;
 #[cfg(feature = "llm")]
 mod configured;
-pub mod daily_limits;
 pub mod dialogue;
 pub mod embeddings;
 mod estimate;

@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::port::{Fault, Question};
+use crate::domain::judgement::TextFunction;
 use crate::semantics::{self, Embedding};
 
 /// Maximum characters of a description.
@@ -16,8 +17,10 @@ const QUESTION_CHARS_MAX: usize = 300;
 /// Checks that an answer is usable; one that fails is neither cached nor used.
 pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     match question {
-        Question::Similarity { .. } | Question::Information { .. } => level(content).map(drop),
-        Question::Merge { .. } | Question::Summary { .. } => text(content).map(drop),
+        Question::Texts { function: TextFunction::Merge, .. } | Question::Summary { .. } => {
+            text(content).map(drop)
+        }
+        Question::Texts { .. } => level(content).map(drop),
         Question::NextQuestion { .. } => next_question(content).map(drop),
         Question::Look { .. } => look(content).map(drop),
         Question::Embed { .. } => embedding(content).map(drop),
@@ -54,20 +57,17 @@ pub fn text(content: &str) -> Result<String, Fault> {
         content.to_owned()
     };
     let text = semantics::clean(&text);
-    match text.chars().count() {
-        0 => Err(Fault::Garbled("an empty text")),
-        1..=TEXT_CHARS_MAX => Ok(text),
-        _ => Err(Fault::Garbled("a text that is too long")),
-    }
+    if text.is_empty() { Err(Fault::Garbled("an empty text")) } else { bounded(text) }
 }
 
 /// Parses what was seen; an empty answer is valid, too.
 pub fn look(content: &str) -> Result<String, Fault> {
-    let seen = semantics::clean(thought_through(content));
-    if seen.chars().count() > TEXT_CHARS_MAX {
-        return Err(Fault::Garbled("a text that is too long"));
-    }
-    Ok(seen)
+    bounded(semantics::clean(thought_through(content)))
+}
+
+fn bounded(text: String) -> Result<String, Fault> {
+    let is_long = text.chars().count() > TEXT_CHARS_MAX;
+    if is_long { Err(Fault::Garbled("a text that is too long")) } else { Ok(text) }
 }
 
 /// Parses an embedding in the form of [`write_embedding`].
@@ -86,10 +86,8 @@ pub fn write_embedding(embedding: &Embedding) -> String {
 /// Parses the next question of a dialogue: one line.
 pub fn next_question(content: &str) -> Result<String, Fault> {
     let question = text(content)?;
-    if question.chars().count() > QUESTION_CHARS_MAX {
-        return Err(Fault::Garbled("a question that is too long"));
-    }
-    Ok(question)
+    let is_long = question.chars().count() > QUESTION_CHARS_MAX;
+    if is_long { Err(Fault::Garbled("a question that is too long")) } else { Ok(question) }
 }
 
 /// Removes the reasoning that some models write before they answer.

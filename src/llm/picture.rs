@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 /// A decoded image.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct Picture {
     /// As PNG.
     pub png: Vec<u8>,

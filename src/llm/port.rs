@@ -7,33 +7,18 @@ use futures_util::future::BoxFuture;
 use thiserror::Error;
 
 use super::picture::Picture;
+use crate::domain::judgement::TextFunction;
+use crate::store::StoreError;
 
-/// The operation; the key of usage and metrics.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Operation {
-    /// SimilarityLevel.
-    Similarity,
-    /// InformationLevel.
-    Information,
-    /// MergeText.
-    Merge,
-    /// A question about an image, or about the dialogue around it.
-    Describe,
-    /// An embedding of a text.
-    Embed,
-}
-
-impl Operation {
-    /// Returns the operation's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Similarity => "similarity",
-            Self::Information => "information",
-            Self::Merge => "merge",
-            Self::Describe => "describe",
-            Self::Embed => "embed",
-        }
-    }
+/// The role of the model that answers a question. Each has its own timeout and price.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It answers about texts.
+    Text,
+    /// It looks at images.
+    Vision,
+    /// It embeds texts.
+    Embeddings,
 }
 
 /// One round of a dialogue about an image.
@@ -46,33 +31,19 @@ pub struct Round {
 }
 
 /// A question to a model. Texts are clean: without control, bidi and zero-width characters. None addresses a model,
-/// with two exceptions. The text of [`Question::Information`] may, because its level raises no pair. That of
+/// with two exceptions. The text of [`TextFunction::Information`] may, because its level raises no pair. That of
 /// [`Question::Embed`] may, because it is measured and not followed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// Whether two descriptions mean the same physical object.
-    Similarity {
+    /// A function of §IV-A.2.
+    Texts {
+        /// The function.
+        function: TextFunction,
         /// The objects' class.
         class: String,
-        /// One description.
+        /// The only description, or the first of two.
         a: String,
-        /// The other description.
-        b: String,
-    },
-    /// How informative a description is.
-    Information {
-        /// The object's class.
-        class: String,
-        /// The description.
-        text: String,
-    },
-    /// Merges two descriptions into one.
-    Merge {
-        /// The objects' class.
-        class: String,
-        /// One description.
-        a: String,
-        /// The other description.
+        /// The second description; empty for one.
         b: String,
     },
     /// Describes an image.
@@ -108,20 +79,22 @@ pub enum Question {
 }
 
 impl Question {
-    /// Returns the operation.
-    pub fn operation(&self) -> Operation {
+    /// Returns the name of the operation, by which usage is counted.
+    pub fn operation(&self) -> &'static str {
         match self {
-            Self::Similarity { .. } => Operation::Similarity,
-            Self::Information { .. } => Operation::Information,
-            Self::Merge { .. } => Operation::Merge,
-            Self::Look { .. } | Self::NextQuestion { .. } | Self::Summary { .. } => Operation::Describe,
-            Self::Embed { .. } => Operation::Embed,
+            Self::Texts { function, .. } => function.as_str(),
+            Self::Look { .. } | Self::NextQuestion { .. } | Self::Summary { .. } => "describe",
+            Self::Embed { .. } => "embed",
         }
     }
 
-    /// Whether the model must accept images.
-    pub fn needs_eyes(&self) -> bool {
-        matches!(self, Self::Look { .. })
+    /// Returns the role of the model that answers it.
+    pub fn role(&self) -> Role {
+        match self {
+            Self::Look { .. } => Role::Vision,
+            Self::Embed { .. } => Role::Embeddings,
+            Self::Texts { .. } | Self::NextQuestion { .. } | Self::Summary { .. } => Role::Text,
+        }
     }
 }
 
@@ -177,6 +150,12 @@ pub enum Fault {
     Store(String),
 }
 
+impl From<StoreError> for Fault {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error.to_string())
+    }
+}
+
 impl Fault {
     /// Whether the same question may be answered a moment later.
     pub fn is_passing(&self) -> bool {
@@ -194,23 +173,6 @@ impl Fault {
     pub fn is_about_the_question(&self) -> bool {
         matches!(self, Self::Refused(400 | 413 | 422))
     }
-
-    /// Returns a short name, for the metrics.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Unreachable(_) => "unreachable",
-            Self::TimedOut(_) => "timeout",
-            Self::Limited { .. } => "rate_limited",
-            Self::Failing(_) => "server_error",
-            Self::Refused(_) => "refused",
-            Self::Garbled(_) => "unusable",
-            Self::Unable => "unable",
-            Self::Away => "away",
-            Self::Spent => "budget",
-            Self::Broken => "broken",
-            Self::Store(_) => "store",
-        }
-    }
 }
 
 /// A model.
@@ -222,8 +184,8 @@ pub trait Model: Send + Sync + std::fmt::Debug {
     /// other keys in the cache.
     fn identity(&self) -> String;
 
-    /// Whether it can answer this kind of question.
-    fn can(&self, question: &Question) -> bool;
+    /// Whether it can answer the questions of a role.
+    fn can(&self, role: Role) -> bool;
 
     /// Answers a question once.
     fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>>;

@@ -2,7 +2,7 @@
 
 use futures_util::future::BoxFuture;
 
-use crate::llm::port::{Fault, Model, Question, Reply};
+use crate::llm::port::{Fault, Model, Question, Reply, Role};
 
 /// A model that never answers.
 #[derive(Debug)]
@@ -20,8 +20,8 @@ impl Model for Silent {
         "silent".to_owned()
     }
 
-    fn can(&self, question: &Question) -> bool {
-        question.needs_eyes() == self.sees
+    fn can(&self, role: Role) -> bool {
+        (role == Role::Vision) == self.sees
     }
 
     fn answer<'a>(&'a self, _: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {

@@ -43,22 +43,13 @@ pub enum ReaderError {
 
 /// The reader, if installed on this machine.
 #[derive(Clone, Debug)]
-pub struct Tesseract {
-    /// Its reported version.
-    pub version: String,
-}
+pub struct Tesseract;
 
 impl Tesseract {
     /// Looks for the program.
     pub async fn find() -> Result<Self, ReaderError> {
         let output = Command::new(PROGRAM).arg("--version").stdin(Stdio::null()).output().await?;
-        if !output.status.success() {
-            return Err(ReaderError::Failed(output.status));
-        }
-        // Some releases write it to standard error.
-        let said = if output.stdout.is_empty() { output.stderr } else { output.stdout };
-        let version = String::from_utf8_lossy(&said).lines().next().unwrap_or_default().to_owned();
-        Ok(Self { version })
+        if output.status.success() { Ok(Self) } else { Err(ReaderError::Failed(output.status)) }
     }
 
     /// Reads one line of text; empty if there is none.

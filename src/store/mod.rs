@@ -73,7 +73,7 @@ pub use rows::erasure_rows::OpenErasure;
 pub use rows::judgement_rows::Fingerprints;
 pub use rows::key_rows::{KeyTable, standing_keys};
 pub use rows::map_rows::MapRow;
-pub use rows::model_rows::UsageRow;
+pub use rows::model_rows::Totals;
 pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::release_rows::RELEASE_USES_MAX;
 pub use rows::transferred_rows::HeldMap;

@@ -1,9 +1,10 @@
 //! Collector: the destination of traces, and their exporter.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use clap::Args;
-use opentelemetry::propagation::{Extractor, TextMapPropagator as _};
+use opentelemetry::propagation::TextMapPropagator as _;
 use opentelemetry::trace::TracerProvider as _;
 use opentelemetry_otlp::{SpanExporter, WithExportConfig as _, WithHttpConfig as _};
 use opentelemetry_sdk::Resource;
@@ -108,30 +109,13 @@ fn provider(address: &str) -> Result<SdkTracerProvider, String> {
     Ok(SdkTracerProvider::builder().with_resource(resource.build()).with_batch_exporter(exporter).build())
 }
 
-/// Sets the parent of a span from the headers of the request.
+/// Sets the parent of a span from the headers of the request, by W3C Trace Context.
 pub(super) fn set_parent(span: &Span, header: impl Fn(&str) -> Option<String>) {
-    let parent = TraceContextPropagator::new().extract(&Headers::of(header));
+    let headers = ["traceparent", "tracestate"].map(|name| Some((name.to_owned(), header(name)?)));
+    let headers: HashMap<String, String> = headers.into_iter().flatten().collect();
+    let parent = TraceContextPropagator::new().extract(&headers);
     // Fails only once the span has started.
     let _ = span.set_parent(parent);
-}
-
-/// The two headers of W3C Trace Context.
-struct Headers([(&'static str, Option<String>); 2]);
-
-impl Headers {
-    fn of(header: impl Fn(&str) -> Option<String>) -> Self {
-        Self(["traceparent", "tracestate"].map(|name| (name, header(name))))
-    }
-}
-
-impl Extractor for Headers {
-    fn get(&self, key: &str) -> Option<&str> {
-        self.0.iter().find(|(name, _)| *name == key)?.1.as_deref()
-    }
-
-    fn keys(&self) -> Vec<&str> {
-        self.0.iter().map(|(name, _)| *name).collect()
-    }
 }
 
 #[cfg(test)]

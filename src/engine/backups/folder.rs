@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
@@ -17,6 +17,7 @@ use crate::domain::ids::BackupId;
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::BackupReport;
 use crate::engine::error::{Result, ServiceError};
+use crate::engine::keys::keyring::now;
 use crate::engine::tasks::blocking;
 use crate::integrity::backup::{Copied, Copy, PARTIAL, sync_folder};
 use crate::store::StoreError;
@@ -86,8 +87,7 @@ impl BackupFolder {
 
     /// Takes a backup, or finds the one of this name; older ones make room for it.
     pub async fn make(self: Arc<Self>, files: &DatabaseFiles, id: Option<BackupId>) -> Result<BackupMade> {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let created = Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() };
+        let created = now();
         let id = match id {
             Some(id) => id,
             None => self.free_id(created)?,
@@ -106,7 +106,7 @@ impl BackupFolder {
             return blocking(keep).await?;
         }
         let place = move || {
-            let report = report(id, created, copy.copied());
+            let report = report(id, created, &copy.copied);
             self.write_note(&report)?;
             copy.place(&self.database(&report.id), false)?;
             let all = self.list()?;
@@ -159,16 +159,15 @@ impl BackupFolder {
 
     /// Writes the note, before the copy has its name: a note without a backup is passed over, a backup without a note would be.
     fn write_note(&self, report: &BackupReport) -> Result<()> {
-        let failed =
-            |error: &std::io::Error| ServiceError::from(StoreError::file(&self.note(&report.id), error));
-        let bytes = serde_json::to_vec(report).unwrap_or_default();
-        let mut file = tempfile::Builder::new()
-            .suffix(PARTIAL)
-            .tempfile_in(&self.folder)
-            .map_err(|error| failed(&error))?;
-        file.write_all(&bytes).and_then(|()| file.as_file().sync_all()).map_err(|error| failed(&error))?;
-        file.persist(self.note(&report.id)).map_err(|refused| failed(&refused.error))?;
-        Ok(())
+        let note = self.note(&report.id);
+        let write = || -> std::io::Result<()> {
+            let mut file = tempfile::Builder::new().suffix(PARTIAL).tempfile_in(&self.folder)?;
+            file.write_all(&serde_json::to_vec(report).unwrap_or_default())?;
+            file.as_file().sync_all()?;
+            file.persist(&note)?;
+            Ok(())
+        };
+        write().map_err(|error| StoreError::file(&note, &error).into())
     }
 
     /// Returns a backup whose two files are there.

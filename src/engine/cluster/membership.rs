@@ -118,17 +118,14 @@ impl Membership {
 
     /// Whether it is this server that should have a map.
     pub(in crate::engine) fn should_have(&self, map: &MapId) -> bool {
-        self.is_this(placed(self.list().there(&self.this, Instant::now()), map))
+        self.placed(map).id == self.this.id
     }
 
     /// Whether it is this server that should have a map once another one is gone.
     pub(super) fn takes_after(&self, map: &MapId, gone: &Node) -> bool {
         let list = self.list();
-        self.is_this(placed(list.there(&self.this, Instant::now()).filter(|node| node.id != gone.id), map))
-    }
-
-    fn is_this(&self, node: Option<&Node>) -> bool {
-        node.is_none_or(|node| node.id == self.this.id)
+        let left = list.there(&self.this, Instant::now()).filter(|node| node.id != gone.id);
+        placed(left, map).is_none_or(|node| node.id == self.this.id)
     }
 
     /// Whether no load of this map was begun ahead within the last ten seconds. Notes this one.

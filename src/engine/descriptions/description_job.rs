@@ -11,7 +11,7 @@ use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Result, Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::dialogue::{Described, Describer};
-use crate::llm::judge::{Judged, Merged};
+use crate::llm::judge::{Judge, Judged, Merged};
 use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_away, learn_reading, learn_verdict};
@@ -77,7 +77,7 @@ impl Service {
             return Err(Fault::Store("the map was thrown away, and is loaded anew".to_owned()));
         }
         let payer = self.payer(live.owner);
-        let judge = models.judge.paid_by(payer.clone());
+        let judge = Judge { patience: None, ..models.judge.paid_by(payer) };
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
         let (class, a, b, finding, source, reason, degraded) = match lack {
             DescriptionTask::Embedding { text } => {
@@ -92,17 +92,15 @@ impl Service {
                 return self.ask_about_crop(live, describer, at, &class, hint.as_deref()).await;
             }
             DescriptionTask::Information { class, text } => {
-                let Judged { level, source, reason, degraded, .. } =
-                    judge.information(&class, &text, None).await;
+                let Judged { level, source, reason, degraded, .. } = judge.information(&class, &text).await;
                 (class, text, "".into(), Finding::Information(level), source, reason, degraded)
             }
             DescriptionTask::Similarity { class, a, b } => {
-                let Judged { level, source, reason, degraded, .. } =
-                    judge.similarity(&class, &a, &b, None).await;
+                let Judged { level, source, reason, degraded, .. } = judge.similarity(&class, &a, &b).await;
                 (class, a, b, Finding::Similarity(level), source, reason, degraded)
             }
             DescriptionTask::Merge { class, a, b, as_read: [first, second] } => {
-                let Merged { text, source, degraded, .. } = judge.merge(&class, &first, &second, None).await;
+                let Merged { text, source, degraded, .. } = judge.merge(&class, &first, &second).await;
                 (class, a, b, Finding::Merge(text.into()), source, String::new(), degraded)
             }
         };
@@ -119,19 +117,16 @@ impl Service {
         class: &str,
         hint: Option<&str>,
     ) -> Result<Option<ModelAnswer>, Fault> {
-        let crop = self.store.crop(live.key, keyframe, detection).await;
         // Culled meanwhile: nothing is lacking any more.
-        let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(None) };
+        let Some(crop) = self.store.crop(live.key, keyframe, detection).await? else { return Ok(None) };
         let decoded = spawn_blocking(move || Picture::decode(&crop.bytes)).await;
-        let told = match decoded.map_err(|_| Fault::Store("the decoder broke off".to_owned()))? {
-            Ok(picture) => describer.describe(Arc::new(picture), class, hint).await?,
-            Err(error) => undecodable(error.to_string()),
-        };
-        let degraded = told.degraded;
-        let reading =
-            CropReading { text: told.text.into(), source: told.source, described: told.described, degraded };
+        let (reading, transcript) =
+            match decoded.map_err(|_| Fault::Store("the decoder broke off".to_owned()))? {
+                Ok(picture) => describer.describe(Arc::new(picture), class, hint).await?,
+                Err(error) => undecodable(error.to_string()),
+            };
+        let degraded = reading.degraded;
         let fingerprint = describer.fingerprint().unwrap_or_default().into();
-        let transcript = told.transcript;
         let read = CropRead { anchor, keyframe, detection, reading, transcript, fingerprint };
         Ok(Some(ModelAnswer { answer: Answer::Reading(read), degraded }))
     }
@@ -181,13 +176,8 @@ impl Service {
 
 fn undecodable(answer: String) -> Described {
     let step = TranscriptStep { speaker: DECODER.into(), question: "(decoding the crop)".to_owned(), answer };
-    Described {
-        text: String::new(),
-        source: DECODER.into(),
-        described: false,
-        degraded: false,
-        transcript: vec![step],
-    }
+    let reading = CropReading { text: "".into(), source: DECODER.into(), described: false, degraded: false };
+    (reading, vec![step])
 }
 
 /// Returns the question of a task, if it is about texts of one class.

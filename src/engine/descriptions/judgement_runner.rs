@@ -107,7 +107,8 @@ impl JudgementRunner {
         if progress.position.is_none() && !progress.is_over {
             return Ok(false);
         }
-        self.keep(&live, answers, progress).await?;
+        self.service.learn(&live, move |index| Ok(Some(rejudge(index, answers, progress)))).await?;
+        self.tries.remove(&live.key);
         Ok(true)
     }
 
@@ -125,11 +126,10 @@ impl JudgementRunner {
         if left.is_empty() {
             return Ok(Vec::new());
         }
-        let asked_today_all = move |index: &_| -> Vec<_> {
-            left.into_iter().map(|question| (question.clone(), asked_today(index, &question))).collect()
-        };
-        let (_, questions) = service.look(live, move |state| Ok(asked_today_all(&state.index))).await?;
-        Ok(questions)
+        let looked = service.look(live, move |state| {
+            Ok(left.into_iter().map(|past| (past.clone(), asked_today(&state.index, &past))).collect())
+        });
+        Ok(looked.await?.1)
     }
 
     async fn ask(
@@ -156,17 +156,6 @@ impl JudgementRunner {
         let tries = self.tries.entry(live.key).or_default();
         *tries += 1;
         *tries >= TRIES_MAX
-    }
-
-    async fn keep(
-        &mut self,
-        live: &Arc<LiveMap>,
-        answers: Vec<Answer>,
-        progress: JudgementProgress,
-    ) -> Result<()> {
-        self.service.learn(live, move |index| Ok(Some(rejudge(index, answers, progress)))).await?;
-        self.tries.remove(&live.key);
-        Ok(())
     }
 }
 

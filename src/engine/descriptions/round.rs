@@ -181,19 +181,18 @@ impl Round {
     async fn finished(&mut self, Done { map, lack, result }: Done) {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
+        if result.is_ok() {
+            board.paused.remove(&lack);
+        }
         if matches!(lack, DescriptionTask::Embedding { .. }) {
             // It changes no map, and others can be found with it. Nor does it say anything of the other models.
             board.looked_at = None;
-            match result {
-                Ok(()) => drop(board.paused.remove(&lack)),
-                Err(fault) => {
-                    board.pause(lack, self.models.pause, !matches!(fault, Fault::Away | Fault::Spent));
-                }
+            if let Err(fault) = result {
+                board.pause(lack, self.models.pause, !matches!(fault, Fault::Away | Fault::Spent));
             }
             return;
         }
         if result.is_ok() {
-            board.paused.remove(&lack);
             if self.was_away && !self.models.is_away() {
                 self.was_away = false;
                 self.resume();
@@ -233,10 +232,7 @@ impl Round {
 }
 
 fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
-    }
+    a.into_iter().chain(b).min()
 }
 
 impl From<ServiceError> for Fault {

@@ -10,8 +10,8 @@ use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
 use tokio::sync::Notify;
-use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
+use tokio_util::task::AbortOnDropHandle;
 
 use crate::domain::ids::MapId;
 use crate::engine::lock::lock;
@@ -28,13 +28,13 @@ pub(in crate::engine) struct Background {
     pub(super) wake: Notify,
     /// Cancelled at shutdown.
     pub(super) stop: CancellationToken,
-    running: Mutex<Option<JoinHandle<()>>>,
+    running: Mutex<Option<AbortOnDropHandle<()>>>,
 }
 
 impl Background {
     /// Starts the runner, which ends after [`Self::stop`].
     pub fn start(&self, runner: impl Future<Output = ()> + Send + 'static) {
-        *lock(&self.running) = Some(tokio::spawn(runner));
+        *lock(&self.running) = Some(AbortOnDropHandle::new(tokio::spawn(runner)));
     }
 
     /// Looks for work now.
@@ -46,10 +46,9 @@ impl Background {
     pub async fn stop(&self) {
         self.stop.cancel();
         let running = lock(&self.running).take();
-        if let Some(mut running) = running
-            && tokio::time::timeout(DRAIN, &mut running).await.is_err()
-        {
-            running.abort();
+        if let Some(running) = running {
+            // It is aborted when its time is over.
+            let _ = tokio::time::timeout(DRAIN, running).await;
         }
     }
 }

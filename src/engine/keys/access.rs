@@ -36,7 +36,7 @@ pub struct HeldKey {
     /// When the last one came, in seconds since 1970.
     used_s: AtomicI64,
     /// Parts of the rate that each request counts for: more while the key asks other servers, too.
-    counts_for: AtomicU32,
+    pub(super) counts_for: AtomicU32,
 }
 
 impl HeldKey {
@@ -71,12 +71,6 @@ impl HeldKey {
     pub(super) fn share(&self, elsewhere: Elsewhere) {
         let rate = self.key.properties.rate_per_s.unwrap_or(1).max(1);
         self.counts_for.store(counts_for(rate, elsewhere), Ordering::Relaxed);
-    }
-
-    /// Returns how many parts of the rate a request counts for; 16 where this server alone is asked.
-    #[cfg(test)]
-    pub(super) fn parts_of_a_request(&self) -> u32 {
-        self.counts_for.load(Ordering::Relaxed)
     }
 
     /// Counts one request, made in this second since 1970; if the key has had its share, when to come back.

@@ -12,7 +12,8 @@ use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
 use super::access::{Access, HeldKey, KeyUse};
-use crate::domain::key::{Action, Key, KeySeq, SecretHash, secret_hash};
+use super::lockout::administers;
+use crate::domain::key::{Key, KeySeq, SecretHash, secret_hash};
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
 use crate::domain::request::PageRequest;
@@ -89,9 +90,7 @@ impl Keyring {
     /// Whether there is a good key that may administer.
     pub fn has_administrator(&self) -> bool {
         let now = now();
-        let administers =
-            |held: &Arc<HeldKey>| held.key.is_good(now) && held.key.properties.actions.has(Action::Admin);
-        self.table().by_hash.values().any(administers)
+        self.table().by_hash.values().any(|held| administers(&held.key, now))
     }
 
     /// Who sends this secret, as far as memory tells?

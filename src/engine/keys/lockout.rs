@@ -3,7 +3,7 @@
 //! The first key closes a server to everybody without one. Were it a key that cannot make others, nothing over HTTP could
 //! open the server again. `revisit keys` works on the database and is always a way back, so it is not guarded.
 
-use crate::domain::key::{Action, Key, KeyProperties, KeySeq};
+use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MapPattern};
 use crate::domain::keyframe::Stamp;
 use crate::engine::{Result, ServiceError};
 
@@ -19,9 +19,14 @@ pub enum Lockout {
     Meant,
 }
 
+/// Whether a key is good and may administer.
+pub(super) fn administers(key: &Key, now: Stamp) -> bool {
+    key.is_good(now) && key.properties.actions.has(Action::Admin)
+}
+
 /// Rejects a first key that cannot administer every map for good.
 pub(in crate::engine) fn check_first_key(properties: &KeyProperties) -> Result<()> {
-    let every_map = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
+    let every_map = properties.maps.contains(&MapPattern::every());
     let lacks = [
         (!properties.actions.has(Action::Admin), "the action `admin`"),
         (!every_map, "every map (leave `maps` out)"),
@@ -42,9 +47,9 @@ pub(in crate::engine) fn check_first_key(properties: &KeyProperties) -> Result<(
 
 /// Rejects revoking the last key that administers, or the last one that does so without an expiry.
 pub(in crate::engine) fn check_revocation(keys: &[Key], revoked: KeySeq, now: Stamp) -> Result<()> {
-    let administers = |key: &&Key| key.is_good(now) && key.properties.actions.has(Action::Admin);
-    let Some(key) = keys.iter().filter(administers).find(|key| key.seq == revoked) else { return Ok(()) };
-    let mut others = keys.iter().filter(administers).filter(|other| other.seq != revoked);
+    let administrators = || keys.iter().filter(|key| administers(key, now));
+    let Some(key) = administrators().find(|key| key.seq == revoked) else { return Ok(()) };
+    let mut others = administrators().filter(|other| other.seq != revoked);
     let lasts = |key: &Key| key.properties.expires.is_none();
     let (left, what) = if lasts(key) {
         (others.any(lasts), "the last key that may administer and does not expire")
@@ -64,7 +69,6 @@ pub(in crate::engine) fn check_revocation(keys: &[Key], revoked: KeySeq, now: St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::key::MapPattern;
 
     const NOW: Stamp = Stamp { sec: 1_000, nanosec: 0 };
 

@@ -8,7 +8,7 @@ use rand::rngs::SysRng;
 use super::keyring::{Keyring, now};
 use super::lockout::{Lockout, WAY_BACK, check_first_key, check_revocation};
 use crate::domain::invalid::FieldError;
-use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, secret_hash};
+use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, MapPattern, secret_hash};
 use crate::engine::error::refuse;
 use crate::engine::{Result, ServiceError};
 use crate::store::{Job, NewKeyRow};
@@ -105,8 +105,7 @@ fn check(properties: &KeyProperties) -> Result<()> {
 
 /// Rejects an administrator's key that does not reach every map: it could make itself one that does.
 fn check_reach(properties: &KeyProperties) -> Result<()> {
-    let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
-    if every || !properties.actions.has(Action::Admin) {
+    if properties.maps.contains(&MapPattern::every()) || !properties.actions.has(Action::Admin) {
         return Ok(());
     }
     let detail = "an admin key makes keys for any map, so it cannot be kept from some";
@@ -123,6 +122,7 @@ fn new_secret() -> Result<String> {
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
+    use std::sync::atomic::Ordering;
 
     use super::*;
     use crate::domain::key::Actions;
@@ -173,7 +173,8 @@ mod tests {
             keyring.share_rates().await;
         }
         // The second one knows of the first one's 20, and the first one of the second's.
-        assert_eq!(held.iter().map(|of_server| of_server.parts_of_a_request()).collect::<Vec<_>>(), [32, 32]);
+        let counts_for = |of_server: &Arc<HeldKey>| of_server.counts_for.load(Ordering::Relaxed);
+        assert_eq!(held.iter().map(counts_for).collect::<Vec<_>>(), [32, 32]);
         for keyring in keyrings {
             keyring.store.close().await;
         }

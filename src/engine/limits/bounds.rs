@@ -13,8 +13,3 @@ pub(in crate::engine) const WAITING_MAX: usize = 1024;
 
 /// Maximum exports, releases and copies at once: each keeps one of the store's readers, an export for as long as its client takes.
 pub(in crate::engine) const EXPORTS_AT_ONCE: usize = 4;
-
-/// Returns the number of cores that this process may use.
-pub(in crate::engine) fn cores() -> usize {
-    std::thread::available_parallelism().map_or(2, usize::from)
-}

@@ -12,25 +12,19 @@ use crate::engine::{Result, ServiceError};
 /// Longest time a request waits for a permit before it is rejected as overloaded.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
 
-/// The longest that a request waits for its turn.
+/// The longest that a request waits for its turn. It hears that there is too much to do if it would wait longer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::engine) enum Wait {
-    /// It hears that there is too much to do if it would wait longer.
-    UpTo(Duration),
-    /// As long as it takes: for those who keep others waiting meanwhile, such as a stream of lines.
-    Unbounded,
-}
+pub(in crate::engine) struct Wait(Duration);
 
 impl Wait {
     /// As long as a request waits at most.
-    pub const BOUNDED: Self = Self::UpTo(MAX_QUEUE_WAIT);
+    pub const BOUNDED: Self = Self(MAX_QUEUE_WAIT);
+    /// As long as it takes: for those who keep others waiting meanwhile, such as a stream of lines.
+    pub const UNBOUNDED: Self = Self(Duration::MAX);
 
     /// Waits for what keeps a request from its turn, such as a lock.
     pub async fn until<T>(self, waiting: impl Future<Output = T>) -> Result<T> {
-        match self {
-            Self::UpTo(most) => timeout(most, waiting).await.map_err(|_| overloaded()),
-            Self::Unbounded => Ok(waiting.await),
-        }
+        timeout(self.0, waiting).await.map_err(|_| overloaded())
     }
 }
 
@@ -65,7 +59,7 @@ impl ConcurrencyLimit {
             return Ok(permit);
         }
         let waits = Waits::new(&self.waiting);
-        if wait != Wait::Unbounded && waits.before >= self.waiting_max {
+        if wait != Wait::UNBOUNDED && waits.before >= self.waiting_max {
             return Err(overloaded());
         }
         wait.until(self.turns.clone().acquire_owned()).await?.map_err(|_| ServiceError::closed())
@@ -101,7 +95,7 @@ mod tests {
     #[tokio::test]
     async fn the_queue_is_bounded_in_number_and_in_time() {
         let gate = ConcurrencyLimit::new(1, 1);
-        let wait = Wait::UpTo(Duration::from_millis(10));
+        let wait = Wait(Duration::from_millis(10));
         let inside = gate.enter(wait).await.unwrap();
         let (first, second) = tokio::join!(gate.enter(wait), gate.enter(wait));
         let refused = |result: Result<_>| matches!(result, Err(ServiceError::Overloaded(_)));

@@ -22,15 +22,9 @@ use crate::engine::lock::lock;
 /// How much is being worked on.
 #[derive(Debug)]
 pub struct LoadShedding {
-    working: Mutex<Working>,
+    /// Requests worked on, by kind.
+    working: Mutex<[usize; 2]>,
     most: AtomicUsize,
-}
-
-/// Requests worked on, by kind.
-#[derive(Clone, Copy, Debug, Default)]
-struct Working {
-    reads: usize,
-    writes: usize,
 }
 
 /// What a request is.
@@ -56,30 +50,6 @@ impl Default for LoadShedding {
     }
 }
 
-impl Working {
-    fn all(self) -> usize {
-        self.reads + self.writes
-    }
-
-    fn of(&mut self, kind: Kind) -> &mut usize {
-        match kind {
-            Kind::Read => &mut self.reads,
-            Kind::Write => &mut self.writes,
-        }
-    }
-
-    /// Whether one more request may be admitted under this maximum.
-    fn has_room(self, kind: Kind, most: usize) -> bool {
-        let quarter = most / 4;
-        let (all, three_quarters) = (self.all(), most - quarter);
-        let fits = match kind {
-            Kind::Read => all < three_quarters || self.reads < quarter,
-            Kind::Write => self.writes < three_quarters,
-        };
-        fits && all < most
-    }
-}
-
 impl LoadShedding {
     /// Sets the maximum of requests in flight.
     pub fn allow(&self, most: usize) {
@@ -89,16 +59,23 @@ impl LoadShedding {
     /// Begins to work on a request, unless there is too much.
     pub fn admit(self: &Arc<Self>, kind: Kind) -> Option<RequestPermit> {
         let mut working = lock(&self.working);
-        if !working.has_room(kind, self.most.load(Ordering::Relaxed)) {
+        let most = self.most.load(Ordering::Relaxed);
+        let quarter = most / 4;
+        let ([reads, writes], three_quarters) = (*working, most - quarter);
+        let fits = match kind {
+            Kind::Read => reads + writes < three_quarters || reads < quarter,
+            Kind::Write => writes < three_quarters,
+        };
+        if !fits || reads + writes >= most {
             return None;
         }
-        *working.of(kind) += 1;
+        working[kind as usize] += 1;
         Some(RequestPermit { pressure: self.clone(), kind, counts: AtomicBool::new(true) })
     }
 
     /// Requests worked on.
     pub fn working(&self) -> usize {
-        lock(&self.working).all()
+        lock(&self.working).iter().sum()
     }
 
     /// Whether it is time for background work to rest.
@@ -114,7 +91,7 @@ impl RequestPermit {
     /// It waits for its client, who may take long: it does not count meanwhile.
     pub fn pause(&self) {
         if self.counts.swap(false, Ordering::Relaxed) {
-            *lock(&self.pressure.working).of(self.kind) -= 1;
+            lock(&self.pressure.working)[self.kind as usize] -= 1;
         }
     }
 
@@ -129,7 +106,7 @@ impl RequestPermit {
     /// It is worked on again. It was admitted: there may be more than the limit for a moment.
     pub fn resume(&self) {
         if !self.counts.swap(true, Ordering::Relaxed) {
-            *lock(&self.pressure.working).of(self.kind) += 1;
+            lock(&self.pressure.working)[self.kind as usize] += 1;
         }
     }
 }

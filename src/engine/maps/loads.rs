@@ -8,9 +8,9 @@ use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::live::LiveMap;
+use crate::config::limits::cores;
 use crate::domain::ids::MapId;
 use crate::engine::error::Result;
-use crate::engine::limits::bounds::cores;
 use crate::engine::lock::lock;
 use crate::store::StoreError;
 

@@ -45,7 +45,7 @@ impl Service {
         self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing)).await?;
         let wait = match manner {
             Manner::Prompt | Manner::Freeing => Wait::BOUNDED,
-            Manner::Patient | Manner::Erasing => Wait::Unbounded,
+            Manner::Patient | Manner::Erasing => Wait::UNBOUNDED,
         };
         let permit = self.writes.enter(wait).await?;
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.

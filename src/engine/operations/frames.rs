@@ -103,7 +103,7 @@ impl Service {
         // Nobody who writes waits for more than the reading.
         let (version, facts) = self.read(live, |state| Ok(measured(&state.index))).await?;
         let tenant = live.owner.map_or(Tenant::Map(live.key), Tenant::Key);
-        let turn = self.reads.enter_after(tenant, Wait::Unbounded).await?;
+        let turn = self.reads.enter_after(tenant, Wait::UNBOUNDED).await?;
         let started = Instant::now();
         let computed = blocking(move || fleet_frames(&facts)).await?;
         drop(turn);

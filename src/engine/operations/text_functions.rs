@@ -5,69 +5,42 @@ use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropReading, Transcript};
 use crate::domain::key::KeySeq;
 use crate::domain::prior::AnchorKey;
-use crate::domain::report::{UsageLine, UsageReport};
+use crate::domain::report::UsageReport;
 use crate::engine::keys::access::Access;
 use crate::engine::{Result, Service};
-use crate::llm::daily_limits::{Limits, Payer};
-use crate::llm::judge::{Judge, Judged, Merged};
+use crate::llm::judge::Judge;
+use crate::store::DayLimit;
 
 /// Maximum dialogues that an anchor shows, the newest first.
 const TRANSCRIPTS_SHOWN: usize = 32;
 
 impl Service {
     /// Returns the three functions, at the expense of who asks.
-    fn judge(&self, asks: &Access) -> Judge {
+    pub fn judge(&self, asks: &Access) -> Judge {
         let Some(models) = &self.models else { return Judge::default() };
         models.judge.paid_by(self.payer(asks.key()))
     }
 
     /// Who pays, with the limits of the key.
-    pub(in crate::engine) fn payer(&self, key: Option<KeySeq>) -> Option<Payer> {
+    pub(in crate::engine) fn payer(&self, key: Option<KeySeq>) -> Option<DayLimit> {
         let key = key?;
         let held = self.keys.held(key)?;
         let properties = &held.key.properties;
-        let limits = Limits {
+        Some(DayLimit {
+            payer: key.0,
             calls: properties.model_daily_calls.map(i64::from),
             microusd: properties.model_daily_microusd.map(|microusd| microusd as i64),
-        };
-        Some(Payer { key, limits })
-    }
-
-    /// SimilarityLevel of two texts of one class.
-    pub async fn similarity(&self, asks: &Access, class: &str, a: &str, b: &str) -> Judged {
-        let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge(asks).similarity(class, a, b, patience).await
-    }
-
-    /// InformationLevel of a text.
-    pub async fn information(&self, asks: &Access, class: &str, text: &str) -> Judged {
-        let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge(asks).information(class, text, patience).await
-    }
-
-    /// MergeText of two texts of one class.
-    pub async fn merge_text(&self, asks: &Access, class: &str, a: &str, b: &str) -> Merged {
-        let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge(asks).merge(class, a, b, patience).await
+        })
     }
 
     /// Returns what models were asked and what it cost; `None` without any.
     pub fn usage(&self) -> Option<UsageReport> {
         let models = self.models.as_ref()?;
-        let (calls_today, microusd_today, limits) = models.budget().today();
-        let lines = models.budget().usage().into_iter().map(|(operation, model, totals)| UsageLine {
-            operation,
-            model,
-            calls: totals.calls as u64,
-            input_tokens: totals.input_tokens as u64,
-            output_tokens: totals.output_tokens as u64,
-            microusd: totals.microusd as u64,
-            cache_hits: totals.cache_hits as u64,
-        });
+        let (today, limits) = models.budget().today();
         Some(UsageReport {
-            lines: lines.collect(),
-            calls_today: calls_today as u64,
-            microusd_today: microusd_today as u64,
+            lines: models.budget().usage(),
+            calls_today: today.calls as u64,
+            microusd_today: today.cost_microusd as u64,
             daily_calls: limits.calls.map(|calls| calls as u64),
             daily_microusd: limits.microusd.map(|microusd| microusd as u64),
             away: models.is_away(),

@@ -22,7 +22,7 @@ async fn with_roles(service: &Service, roles: Roles) -> Service {
         return service.clone();
     }
     let silent = |sees: bool, wanted: bool| wanted.then(|| Arc::new(Silent { sees }) as Arc<dyn Model>);
-    let models = [silent(false, roles.text), silent(true, roles.vision)];
+    let models = [silent(false, roles.text), silent(true, roles.vision), None];
     let models = Models::with(models, None, &ModelArgs::of(&[""; 0]).unwrap(), &service.store).await.unwrap();
     assert_eq!(models.roles(), roles);
     Service(Arc::new(Parts { models: Some(Arc::new(models)), ..Parts::clone(service) }))

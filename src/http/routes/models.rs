@@ -32,7 +32,7 @@ pub async fn similarity(
     Body(pair): Body<TextPair>,
 ) -> Answer<LevelAnswer> {
     let class = pair.class.as_deref().unwrap_or_default();
-    Ok(Json(service.similarity(&caller.0, class, &pair.a, &pair.b).await.into()))
+    Ok(Json(service.judge(&caller.0).similarity(class, &pair.a, &pair.b).await.into()))
 }
 
 /// InformationLevel of a description
@@ -49,7 +49,7 @@ pub async fn information(
     Body(one): Body<OneText>,
 ) -> Answer<LevelAnswer> {
     let class = one.class.as_deref().unwrap_or_default();
-    Ok(Json(service.information(&caller.0, class, &one.text).await.into()))
+    Ok(Json(service.judge(&caller.0).information(class, &one.text).await.into()))
 }
 
 /// MergeText of two descriptions
@@ -66,7 +66,7 @@ pub async fn merge_text(
     Body(pair): Body<TextPair>,
 ) -> Answer<MergeAnswer> {
     let class = pair.class.as_deref().unwrap_or_default();
-    Ok(Json(service.merge_text(&caller.0, class, &pair.a, &pair.b).await.into()))
+    Ok(Json(service.judge(&caller.0).merge(class, &pair.a, &pair.b).await.into()))
 }
 
 /// Read the usage of models

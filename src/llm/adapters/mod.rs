@@ -1,15 +1,11 @@
-//! The adapters: one file per protocol.
+//! The adapters: models behind HTTP, and one that follows a script.
 
-mod built_in;
-mod embeddings;
-mod openai;
+mod chat;
+mod remote;
 mod scripted;
-mod vqa;
 mod wire;
 
-pub use built_in::BuiltIn;
-pub use embeddings::Embeddings;
-pub use openai::{Dialect, OpenAi};
+pub use chat::Dialect;
+pub use remote::{Protocol, Remote};
 pub use scripted::Scripted;
-pub use vqa::Vqa;
 pub use wire::{Endpoint, EndpointError};

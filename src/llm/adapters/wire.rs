@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderValue, RETRY_AFTER};
+use reqwest::header::{CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Response, StatusCode, Url};
 use secrecy::{ExposeSecret as _, SecretString};
 use serde_json::Value;
@@ -81,10 +81,7 @@ impl Endpoint {
     pub async fn post(&self, body: &Value) -> Result<Value, Fault> {
         let mut request = self.http.post(self.url.clone()).json(body);
         if let Some(key) = &self.key {
-            let mut header = HeaderValue::from_str(&format!("Bearer {}", key.expose_secret()))
-                .map_err(|_| Fault::Refused(StatusCode::UNAUTHORIZED.as_u16()))?;
-            header.set_sensitive(true);
-            request = request.header(AUTHORIZATION, header);
+            request = request.bearer_auth(key.expose_secret());
         }
         let response = request.send().await.map_err(unreachable)?;
         refuse_failures(&response)?;

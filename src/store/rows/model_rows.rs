@@ -1,6 +1,6 @@
 //! What models said of a map, every answer that was paid for, and what was spent.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::json;
@@ -17,14 +17,10 @@ use crate::store::{Store, StoreError};
 /// Answers are kept up to this number, oldest out first.
 const ANSWERS_KEPT: i64 = 1_000_000;
 
-/// The sums of one operation and model.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UsageRow {
-    /// What was asked for.
-    pub operation: String,
-    /// Who answered.
-    pub model: String,
-    /// Calls.
+/// Sums of calls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Calls, including failed ones.
     pub calls: i64,
     /// Tokens sent.
     pub input_tokens: i64,
@@ -44,22 +40,22 @@ impl Store {
     }
 
     /// Returns what was spent from this day on, by operation and model.
-    pub async fn usage_since(&self, day: i64) -> Result<Vec<UsageRow>, StoreError> {
+    pub async fn usage_since(&self, day: i64) -> Result<BTreeMap<(String, String), Totals>, StoreError> {
         let select = "select operation, model, cast(sum(calls) as bigint) as calls, cast(sum(input_tokens) as bigint) as input_tokens,
             cast(sum(output_tokens) as bigint) as output_tokens, cast(sum(cost_microusd) as bigint) as cost_microusd, cast(sum(cache_hits) as bigint) as cache_hits
             from model_usage where day >= $1 group by operation, model order by operation, model";
-        let usage = |row: &Row| {
-            Ok(UsageRow {
-                operation: row.try_get("operation")?,
-                model: row.try_get("model")?,
+        let rows = sql::query(select).bind(day).fetch_all(&self.readers).await?;
+        let totals = |row: &Row| -> Result<_, StoreError> {
+            let totals = Totals {
                 calls: row.try_get("calls")?,
                 input_tokens: row.try_get("input_tokens")?,
                 output_tokens: row.try_get("output_tokens")?,
                 cost_microusd: row.try_get("cost_microusd")?,
                 cache_hits: row.try_get("cache_hits")?,
-            })
+            };
+            Ok(((row.try_get("operation")?, row.try_get("model")?), totals))
         };
-        sql::query(select).bind(day).fetch_all(&self.readers).await?.iter().map(usage).collect()
+        rows.iter().map(totals).collect()
     }
 
     /// Returns what was spent on one day for each key: calls, and millionths of a US dollar.

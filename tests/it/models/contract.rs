@@ -1,13 +1,15 @@
 //! Contract: what holds for every adapter, whatever it speaks to.
 
+use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::Duration;
 
 use revisit::config::models::{ImageForm, ModelArgs, ResponseFormat, SystemRole, TokenParameter};
-use revisit::llm::adapters::{BuiltIn, Dialect, Endpoint, OpenAi, Scripted, Vqa};
+use revisit::domain::judgement::TextFunction;
+use revisit::llm::adapters::{Dialect, Endpoint, Protocol, Remote, Scripted};
 use revisit::llm::parse;
 use revisit::llm::picture::Picture;
-use revisit::llm::port::{Fault, Model, Question, Round};
+use revisit::llm::port::{Fault, Model, Question, Role, Round};
 use serde_json::{Value, json};
 
 use super::scene::png;
@@ -21,15 +23,28 @@ fn dialect() -> Dialect {
     Dialect::from(&ModelArgs::of(&["--model-url", "http://127.0.0.1:1"]).unwrap())
 }
 
+/// A model that speaks chat completions at this base address.
+fn chat_model(url: &str, name: &str, dialect: Dialect) -> Remote {
+    Remote::new(endpoint(url, "chat/completions"), name, Protocol::Chat(dialect))
+}
+
+fn vqa_model(url: &str) -> Remote {
+    Remote::new(endpoint(url, ""), "blip-2", Protocol::Vqa)
+}
+
 fn questions() -> Vec<Question> {
     let history = vec![Round { question: "What does it show?".to_owned(), answer: "a boat".to_owned() }];
     let (class, a, b) = ("painting".to_owned(), "a red boat".to_owned(), "a ship in a storm".to_owned());
     let picture = Arc::new(Picture::decode(&png(16, 16, [1, 2, 3])).unwrap());
     let question = "Which number?".to_owned();
+    let texts = |function, b: &str| {
+        let (class, a, b) = (class.clone(), a.clone(), b.to_owned());
+        Question::Texts { function, class, a, b }
+    };
     vec![
-        Question::Similarity { class: class.clone(), a: a.clone(), b: b.clone() },
-        Question::Information { class: class.clone(), text: a.clone() },
-        Question::Merge { class: class.clone(), a, b },
+        texts(TextFunction::Similarity, &b),
+        texts(TextFunction::Information, ""),
+        texts(TextFunction::Merge, &b),
         Question::Look { picture, question, history: history.clone(), hint: Some("901".to_owned()) },
         Question::NextQuestion { class: class.clone(), history: history.clone() },
         Question::Summary { class, history },
@@ -52,9 +67,8 @@ async fn adapters() -> (Stub, Stub, Vec<Arc<dyn Model>>) {
         |_: &Asked| Reply::Raw { status: 200, headers: vec![], body: json!({"answer": "901"}).to_string() };
     let vqa = Stub::start(plain).await;
     let models: Vec<Arc<dyn Model>> = vec![
-        Arc::new(OpenAi::new(endpoint(&chat.url(), "chat/completions"), "stub", dialect())),
-        Arc::new(Vqa::new(endpoint(&vqa.url(), ""), "blip-2")),
-        Arc::new(BuiltIn),
+        Arc::new(chat_model(&chat.url(), "stub", dialect())),
+        Arc::new(vqa_model(&vqa.url())),
         Arc::new(Scripted::rehearsal()),
     ];
     (chat, vqa, models)
@@ -67,7 +81,7 @@ async fn every_adapter_answers_what_it_can_and_refuses_the_rest() {
         for question in questions() {
             let answered = model.answer(&question).await;
             let case = format!("{model:?}: {question:?}");
-            if model.can(&question) {
+            if model.can(question.role()) {
                 let reply = answered.unwrap_or_else(|fault| panic!("{case}: {fault}"));
                 parse::check(&question, &reply.content).unwrap_or_else(|fault| panic!("{case}: {fault}"));
             } else {
@@ -87,16 +101,17 @@ async fn every_adapter_has_an_identity_of_its_own_which_its_parameters_change() 
         Dialect { max_tokens: 17, ..dialect() },
     ];
     for dialect in changed {
-        identities.push(OpenAi::new(endpoint(&chat.url(), "chat/completions"), "stub", dialect).identity());
+        identities.push(chat_model(&chat.url(), "stub", dialect).identity());
     }
-    identities.push(OpenAi::new(endpoint(&chat.url(), "chat/completions"), "other", dialect()).identity());
-    identities.push(OpenAi::new(endpoint("http://127.0.0.1:1", "x"), "stub", dialect()).identity());
+    identities.push(chat_model(&chat.url(), "other", dialect()).identity());
+    identities
+        .push(Remote::new(endpoint("http://127.0.0.1:1", "x"), "stub", Protocol::Chat(dialect())).identity());
     let distinct: std::collections::BTreeSet<&String> = identities.iter().collect();
     assert_eq!(distinct.len(), identities.len(), "{identities:#?}");
 }
 
 #[tokio::test]
-async fn an_adapter_over_http_tells_every_fault_by_its_name() {
+async fn an_adapter_over_http_tells_every_fault_by_its_kind() {
     let raw = |status, headers: &[(&'static str, &'static str)], body: &str| Reply::Raw {
         status,
         headers: headers.to_vec(),
@@ -104,34 +119,34 @@ async fn an_adapter_over_http_tells_every_fault_by_its_name() {
     };
     let html = [("content-type", "text/html")];
     let cases = [
-        (raw(429, &[("retry-after", "7")], "{}"), "rate_limited"),
-        (raw(429, &[], "{}"), "rate_limited"),
-        (raw(503, &[("retry-after", "7")], "{}"), "rate_limited"),
-        (raw(500, &[], "{}"), "server_error"),
-        (raw(401, &[], "{}"), "refused"),
-        (raw(302, &[("location", "http://127.0.0.1:1/elsewhere")], ""), "refused"),
-        (raw(200, &html, "<p>hello</p>"), "unusable"),
-        (raw(200, &[], "{\"choices\": [{\"mess"), "unusable"),
-        (raw(200, &[], "{\"choices\": []}"), "unusable"),
-        (Reply::Drop, "unreachable"),
+        (raw(429, &[("retry-after", "7")], "{}"), Fault::Limited { retry_after: None }),
+        (raw(429, &[], "{}"), Fault::Limited { retry_after: None }),
+        (raw(503, &[("retry-after", "7")], "{}"), Fault::Limited { retry_after: None }),
+        (raw(500, &[], "{}"), Fault::Failing(500)),
+        (raw(401, &[], "{}"), Fault::Refused(401)),
+        (raw(302, &[("location", "http://127.0.0.1:1/elsewhere")], ""), Fault::Refused(302)),
+        (raw(200, &html, "<p>hello</p>"), Fault::Garbled("")),
+        (raw(200, &[], "{\"choices\": [{\"mess"), Fault::Garbled("")),
+        (raw(200, &[], "{\"choices\": []}"), Fault::Garbled("")),
+        (Reply::Drop, Fault::Unreachable(String::new())),
     ];
     let chat = Stub::start(sensible).await;
-    let vqa = Vqa::new(endpoint(&chat.url(), ""), "blip-2");
-    let openai = OpenAi::new(endpoint(&chat.url(), "chat/completions"), "stub", dialect());
+    let vqa = vqa_model(&chat.url());
+    let openai = chat_model(&chat.url(), "stub", dialect());
     let look = questions().swap_remove(3);
-    for (reply, code) in cases {
+    for (reply, expected) in cases {
         let shown = format!("{reply:?}");
         chat.script(move |_| reply.clone());
         for model in [&vqa as &dyn Model, &openai] {
             let fault = model.answer(&look).await.expect_err(&shown);
-            assert_eq!(fault.code(), code, "{shown}: {fault:?}");
+            assert_eq!(discriminant(&fault), discriminant(&expected), "{shown}: {fault:?}");
         }
     }
     chat.script(|_| raw_429());
     let limited = openai.answer(&look).await;
     assert_eq!(limited, Err(Fault::Limited { retry_after: Some(Duration::from_secs(7)) }));
-    let nobody = OpenAi::new(endpoint("http://127.0.0.1:1/v1", "chat/completions"), "stub", dialect());
-    assert_eq!(nobody.answer(&look).await.map_err(|fault| fault.code()), Err("unreachable"));
+    let nobody = chat_model("http://127.0.0.1:1/v1", "stub", dialect());
+    assert!(matches!(nobody.answer(&look).await, Err(Fault::Unreachable(_))));
 }
 
 fn raw_429() -> Reply {
@@ -142,7 +157,7 @@ fn raw_429() -> Reply {
 async fn a_dialect_changes_the_request_and_nothing_else() {
     let chat = Stub::start(sensible).await;
     let ask = async |dialect: Dialect, question: usize| -> Value {
-        let model = OpenAi::new(endpoint(&chat.url(), "chat/completions"), "stub", dialect);
+        let model = chat_model(&chat.url(), "stub", dialect);
         model.answer(&questions()[question]).await.unwrap();
         chat.journal().pop().unwrap().body
     };
@@ -173,8 +188,8 @@ async fn a_dialect_changes_the_request_and_nothing_else() {
     let image = seen["messages"][0]["content"][1]["image_url"].as_str().unwrap();
     assert!(image.starts_with("data:image/png;base64,"), "{image}");
     let blind = Dialect { image_form: ImageForm::None, ..dialect() };
-    let blind = OpenAi::new(endpoint(&chat.url(), "chat/completions"), "stub", blind);
-    assert!(!blind.can(&questions()[3]) && blind.can(&questions()[0]));
+    let blind = chat_model(&chat.url(), "stub", blind);
+    assert!(!blind.can(Role::Vision) && blind.can(Role::Text));
 }
 
 #[tokio::test]

@@ -14,6 +14,7 @@ use crate::engine::service::Parts;
 use crate::engine::{Service, ServiceOptions};
 use crate::geometry::{Point3, Pose};
 use crate::llm::Models;
+use crate::llm::port::Model;
 use crate::llm::silent::Silent;
 
 /// Returns a service that keeps no idle map in memory, a map of it, and a round of its worker that runs when the test
@@ -23,9 +24,8 @@ async fn paused_worker(folder: &tempfile::TempDir) -> (Service, MapId, Round) {
     let options = ServiceOptions { map_memory: 1, ..ServiceOptions::for_tests(database) };
     let service = Service::open(options).await.unwrap();
     let args = ModelArgs::of(&[""; 0]).unwrap();
-    let models = Models::with([None, Some(Arc::new(Silent { sees: true }))], None, &args, &service.store)
-        .await
-        .unwrap();
+    let found: [Option<Arc<dyn Model>>; 3] = [None, Some(Arc::new(Silent { sees: true })), None];
+    let models = Models::with(found, None, &args, &service.store).await.unwrap();
     let models = Arc::new(models);
     let service = Service(Arc::new(Parts { models: Some(models.clone()), ..Parts::clone(&service) }));
     let map: MapId = "m".parse().unwrap();

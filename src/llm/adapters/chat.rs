@@ -2,13 +2,11 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use futures_util::future::BoxFuture;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::wire::Endpoint;
 use crate::config::models::{ImageForm, ModelArgs, ResponseFormat, SystemRole, TokenParameter};
 use crate::llm::picture::Picture;
-use crate::llm::port::{Fault, Model, Question, Reply};
+use crate::llm::port::{Fault, Question, Reply};
 use crate::llm::prompts::{Prompt, prompt};
 
 /// The differences between servers.
@@ -44,62 +42,42 @@ impl From<&ModelArgs> for Dialect {
     }
 }
 
-/// A model behind chat completions.
-#[derive(Debug)]
-pub struct OpenAi {
-    endpoint: Endpoint,
-    name: String,
-    dialect: Dialect,
-}
-
-impl OpenAi {
-    /// Returns the model of this name at this address.
-    pub fn new(endpoint: Endpoint, name: impl Into<String>, dialect: Dialect) -> Self {
-        Self { endpoint, name: name.into(), dialect }
-    }
-
-    fn body(&self, question: &Question) -> Value {
+impl Dialect {
+    /// Returns the body that asks a model of this name.
+    pub(super) fn body(&self, name: &str, question: &Question) -> Value {
         let Prompt { rules, data, schema } = prompt(question);
         let picture = match question {
             Question::Look { picture, .. } => Some(picture.as_ref()),
             _ => None,
         };
-        let mut body = Map::new();
-        body.insert("model".to_owned(), json!(self.name));
-        body.insert("messages".to_owned(), self.messages(rules, data, schema.is_some(), picture));
-        let tokens = match self.dialect.token_parameter {
-            TokenParameter::MaxTokens => Some("max_tokens"),
-            TokenParameter::MaxCompletionTokens => Some("max_completion_tokens"),
-            TokenParameter::None => None,
-        };
-        if let Some(tokens) = tokens {
-            body.insert(tokens.to_owned(), json!(self.dialect.max_tokens));
-        }
-        if let Some(temperature) = self.dialect.temperature {
-            body.insert("temperature".to_owned(), json!(temperature));
-        }
-        if let Some(seed) = self.dialect.seed {
-            body.insert("seed".to_owned(), json!(seed));
-        }
-        if let Some((name, schema)) = schema {
-            let format = match self.dialect.response_format {
-                ResponseFormat::JsonSchema => Some(json!({
-                    "type": "json_schema",
-                    "json_schema": {"name": name, "strict": true, "schema": schema}
-                })),
-                ResponseFormat::JsonObject => Some(json!({"type": "json_object"})),
-                ResponseFormat::None => None,
-            };
-            body.extend(format.map(|format| ("response_format".to_owned(), format)));
-        }
-        Value::Object(body)
+        let tokens_as =
+            |parameter| (self.token_parameter == parameter).then_some(Value::from(self.max_tokens));
+        let messages = self.messages(rules, data, schema.is_some(), picture);
+        let format = schema.and_then(|(name, schema)| match self.response_format {
+            ResponseFormat::JsonSchema => Some(json!({
+                "type": "json_schema",
+                "json_schema": {"name": name, "strict": true, "schema": schema}
+            })),
+            ResponseFormat::JsonObject => Some(json!({"type": "json_object"})),
+            ResponseFormat::None => None,
+        });
+        let members = [
+            ("model", Some(json!(name))),
+            ("messages", Some(messages)),
+            ("max_tokens", tokens_as(TokenParameter::MaxTokens)),
+            ("max_completion_tokens", tokens_as(TokenParameter::MaxCompletionTokens)),
+            ("temperature", self.temperature.map(Value::from)),
+            ("seed", self.seed.map(Value::from)),
+            ("response_format", format),
+        ];
+        members.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
 
     fn messages(&self, mut rules: String, data: String, json: bool, picture: Option<&Picture>) -> Value {
         if json {
             rules.push_str("\nAnswer with one JSON object and nothing else.");
         }
-        let (head, text) = match self.dialect.system_role {
+        let (head, text) = match self.system_role {
             SystemRole::System => (Some(json!({"role": "system", "content": rules})), data),
             SystemRole::Developer => (Some(json!({"role": "developer", "content": rules})), data),
             SystemRole::Inline => (None, format!("{rules}\n\n{data}")),
@@ -113,42 +91,15 @@ impl OpenAi {
 
     fn image(&self, picture: &Picture) -> Value {
         let uri = format!("data:image/png;base64,{}", STANDARD.encode(&picture.png));
-        match self.dialect.image_form {
+        match self.image_form {
             ImageForm::PlainUri => json!({"type": "image_url", "image_url": uri}),
             ImageForm::DataUri | ImageForm::None => json!({"type": "image_url", "image_url": {"url": uri}}),
         }
     }
 }
 
-impl Model for OpenAi {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn identity(&self) -> String {
-        format!("openai {} {} {:?}", self.endpoint.identity(), self.name, self.dialect)
-    }
-
-    fn can(&self, question: &Question) -> bool {
-        match question {
-            Question::Embed { .. } => false,
-            question => !question.needs_eyes() || self.dialect.image_form != ImageForm::None,
-        }
-    }
-
-    fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {
-        Box::pin(async move {
-            if !self.can(question) {
-                return Err(Fault::Unable);
-            }
-            let answer = self.endpoint.post(&self.body(question)).await?;
-            reply(&answer)
-        })
-    }
-}
-
 /// Returns the first choice of a completion, if it is complete.
-fn reply(answer: &Value) -> Result<Reply, Fault> {
+pub(super) fn reply(answer: &Value) -> Result<Reply, Fault> {
     let choice = answer.pointer("/choices/0").ok_or(Fault::Garbled("no choices"))?;
     if choice.pointer("/message/refusal").is_some_and(|refusal| !refusal.is_null()) {
         return Err(Fault::Garbled("a refusal"));
