@@ -30,6 +30,7 @@ pub trait Named: Copy + PartialEq + 'static {
 /// Makes an enum with names; the doc comments are the meanings that the API document gives.
 ///
 /// `Type: Words` adds a row of words for people to each value.
+#[macro_export]
 macro_rules! named {
     ($(#[doc = $about:literal])+ $type:ident $(default $default:ident)? {
         $($(#[doc = $meaning:literal])+ $value:ident = $name:literal,)+
@@ -105,4 +106,4 @@ macro_rules! named {
     };
 }
 
-pub(crate) use named;
+pub use named;

@@ -1,42 +1,44 @@
 //! Kinds of buildings: each has one property that deceives place recognition.
 
 use super::naming::Naming;
+use crate::named::{Named as _, named};
 
-/// A kind of building.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
-    /// Wings that one letter or word of a plate tells apart.
-    Wings,
-    /// The same notices, in several languages, at many doors.
-    Notices,
-    /// Billboards across the street, which every floor sees through its windows.
-    Windows,
-    /// Wings that look alike.
-    CopiedWings,
-    /// The same six pictures on the walls of all rooms, in which sessions begin.
-    Pictures,
-    /// A reader that misreads one character of a plate for a whole passage.
-    Misread,
-    /// A lift between two floors, which odometry does not see.
-    Lift,
-    /// Clients that send poses and detections alone.
-    Bare,
-    /// Floors that one letter of a plate tells apart, under a poor reader.
-    FloorLetters,
-    /// The same brands and names at many doors.
-    Brands,
-    /// Pointers and directories, which name places elsewhere.
-    Directories,
-    /// Wings that are mirror images of each other.
-    MirroredWings,
-    /// A reader that reads railings as numbers.
-    Railings,
-    /// Sessions that begin in rooms that look alike.
-    ClonedStarts,
-    /// Robots whose lengths drift.
-    Stretched,
-    /// Photographs without positions.
-    Photographs,
+named! {
+    /// A kind of building: the first half are for tuning, the others for reporting only.
+    Kind {
+        /// Wings that one letter or word of a plate tells apart.
+        Wings = "wings",
+        /// The same notices, in several languages, at many doors.
+        Notices = "notices",
+        /// Billboards across the street, which every floor sees through its windows.
+        Windows = "windows",
+        /// Wings that look alike.
+        CopiedWings = "copied_wings",
+        /// The same six pictures on the walls of all rooms, in which sessions begin.
+        Pictures = "pictures",
+        /// A reader that misreads one character of a plate for a whole passage.
+        Misread = "misread",
+        /// A lift between two floors, which odometry does not see.
+        Lift = "lift",
+        /// Clients that send poses and detections alone.
+        Bare = "bare",
+        /// Floors that one letter of a plate tells apart, under a poor reader.
+        FloorLetters = "floor_letters",
+        /// The same brands and names at many doors.
+        Brands = "brands",
+        /// Pointers and directories, which name places elsewhere.
+        Directories = "directories",
+        /// Wings that are mirror images of each other.
+        MirroredWings = "mirrored_wings",
+        /// A reader that reads railings as numbers.
+        Railings = "railings",
+        /// Sessions that begin in rooms that look alike.
+        ClonedStarts = "cloned_starts",
+        /// Robots whose lengths drift.
+        Stretched = "stretched",
+        /// Photographs without positions.
+        Photographs = "photographs",
+    }
 }
 
 /// The likeness of a building's wings and floors.
@@ -110,55 +112,11 @@ const REPORTED: &[Naming] =
     &[Naming::FloorLetter, Naming::Word, Naming::Ideographs, Naming::Greek, Naming::Labelled];
 
 impl Kind {
+    const HALVES: (&[Self], &[Self]) = Self::VALUES.split_at(8);
     /// The kinds for tuning and inspection.
-    pub const TUNING: [Self; 8] = [
-        Self::Wings,
-        Self::Notices,
-        Self::Windows,
-        Self::CopiedWings,
-        Self::Pictures,
-        Self::Misread,
-        Self::Lift,
-        Self::Bare,
-    ];
+    pub const TUNING: &[Self] = Self::HALVES.0;
     /// The kinds for reporting only.
-    pub const HELD_OUT: [Self; 8] = [
-        Self::FloorLetters,
-        Self::Brands,
-        Self::Directories,
-        Self::MirroredWings,
-        Self::Railings,
-        Self::ClonedStarts,
-        Self::Stretched,
-        Self::Photographs,
-    ];
-
-    /// Returns its name for files, maps and arguments.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Wings => "wings",
-            Self::Notices => "notices",
-            Self::Windows => "windows",
-            Self::CopiedWings => "copied_wings",
-            Self::Pictures => "pictures",
-            Self::Misread => "misread",
-            Self::Lift => "lift",
-            Self::Bare => "bare",
-            Self::FloorLetters => "floor_letters",
-            Self::Brands => "brands",
-            Self::Directories => "directories",
-            Self::MirroredWings => "mirrored_wings",
-            Self::Railings => "railings",
-            Self::ClonedStarts => "cloned_starts",
-            Self::Stretched => "stretched",
-            Self::Photographs => "photographs",
-        }
-    }
-
-    /// Returns the kind of a name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::TUNING.into_iter().chain(Self::HELD_OUT).find(|kind| kind.name() == name)
-    }
+    pub const HELD_OUT: &[Self] = Self::HALVES.1;
 
     /// Whether it is for reporting only.
     pub fn is_held_out(self) -> bool {
@@ -209,9 +167,9 @@ mod tests {
     #[test]
     fn no_kind_for_reporting_numbers_doors_as_kinds_for_tuning_do() {
         for kind in Kind::HELD_OUT {
-            assert!(kind.is_held_out() && !Kind::TUNING.contains(&kind));
-            assert_eq!(Kind::of_name(kind.name()), Some(kind));
-            assert!(!kind.traits().naming.iter().any(|naming| TUNED.contains(naming)), "{}", kind.name());
+            assert!(kind.is_held_out() && !Kind::TUNING.contains(kind));
+            assert_eq!(Kind::from_name(kind.as_str()), Some(*kind));
+            assert!(!kind.traits().naming.iter().any(|naming| TUNED.contains(naming)), "{}", kind.as_str());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A world played against a server, or recorded for `revisit replay`.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::kind::Kind;
 use super::route;
@@ -9,6 +9,7 @@ use super::sight::{self, Keyframe};
 use super::truth::{Standing, standing};
 use super::world::World;
 use crate::api::loops::LoopBody;
+use crate::api::map::MapBody;
 use crate::api::verdict::{CandidateView, LoopAnswer};
 use crate::client::{Client, ClientError, Recorded};
 use crate::domain::verdict::Decision;
@@ -55,8 +56,8 @@ pub struct Located {
 /// A world after it was played.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Played {
-    /// The name of its kind.
-    pub kind: String,
+    /// Its kind.
+    pub kind: Kind,
     /// Its seed.
     pub seed: u64,
     /// Its queries, in order.
@@ -75,8 +76,8 @@ pub fn keyframes(world: &World) -> Vec<Keyframe> {
 pub async fn play(client: &Client, kind: Kind, seed: u64, arm: Method) -> Result<Played, ClientError> {
     let world = World::new(kind, seed);
     let all = keyframes(&world);
-    let map = format!("{}-{seed}-{}", kind.name(), arm.name());
-    client.put_map(&map, &Recorded(map_body(arm))).await?;
+    let map = format!("{}-{seed}-{}", kind.as_str(), arm.as_str());
+    client.put_map(&map, &map_body(arm)).await?;
     let mut asked = Vec::with_capacity(all.len());
     for (number, keyframe) in all.iter().enumerate() {
         let body = Recorded(keyframe.body.clone());
@@ -98,12 +99,11 @@ pub async fn play(client: &Client, kind: Kind, seed: u64, arm: Method) -> Result
     }
     let located = locate(client, &map, &world, &all).await?;
     client.delete_map(&map).await?;
-    Ok(Played { kind: kind.name().to_owned(), seed, asked, located })
+    Ok(Played { kind, seed, asked, located })
 }
 
-fn map_body(arm: Method) -> Map<String, Value> {
-    let settings = arm.settings().0;
-    json!({"metric": true, "settings": settings}).as_object().cloned().unwrap_or_default()
+fn map_body(arm: Method) -> MapBody {
+    MapBody { metric: Some(true), settings: Some(arm.settings()), ..MapBody::default() }
 }
 
 fn visit(keyframe: &Keyframe) -> String {
@@ -161,7 +161,7 @@ async fn locate(
 /// Returns the lines of a world for `revisit replay`: its map, and each keyframe with its query and its truth.
 pub fn recording(kind: Kind, seed: u64, arm: Method) -> Vec<Value> {
     let all = keyframes(&World::new(kind, seed));
-    let id = format!("{}-{seed}", kind.name());
+    let id = format!("{}-{seed}", kind.as_str());
     let mut lines = vec![json!({"op": "map", "id": id, "body": map_body(arm)})];
     for (number, keyframe) in all.iter().enumerate() {
         lines.push(json!({"op": "keyframe", "id": keyframe.id, "body": keyframe.body}));
@@ -183,13 +183,13 @@ mod tests {
 
     #[test]
     fn a_world_is_small_has_returns_and_is_the_same_each_time() {
-        for kind in Kind::TUNING.into_iter().chain(Kind::HELD_OUT) {
+        for kind in Kind::ALL {
             let lines = recording(kind, 3, Method::Ours);
             let keyframes = lines.iter().filter(|line| line["op"] == "keyframe").count();
-            assert!((120..=400).contains(&keyframes), "{}: {keyframes} keyframes", kind.name());
+            assert!((120..=400).contains(&keyframes), "{}: {keyframes} keyframes", kind.as_str());
             let returns = |line: &&Value| line["truth"].as_array().is_some_and(|truth| !truth.is_empty());
-            assert!(lines.iter().filter(returns).count() >= 20, "{}: too few returns", kind.name());
-            assert_eq!(lines, recording(kind, 3, Method::Ours), "{}", kind.name());
+            assert!(lines.iter().filter(returns).count() >= 20, "{}: too few returns", kind.as_str());
+            assert_eq!(lines, recording(kind, 3, Method::Ours), "{}", kind.as_str());
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Reliability: how often answers of one confidence are right.
 
 use super::play::Located;
-use crate::hotel::scoring::score::confidence_interval;
 
 /// The lower ends of the bins of confidence.
 pub const BINS: [f64; 5] = [0.0, 0.5, 0.9, 0.99, 0.999];
@@ -21,11 +20,6 @@ impl Bin {
     /// Returns the mean confidence; none without answers.
     pub fn mean_said(&self) -> Option<f64> {
         (self.answers > 0).then(|| self.said / self.answers as f64)
-    }
-
-    /// Returns Wilson's interval of the share right, at 95 %.
-    pub fn interval(&self) -> (f64, f64) {
-        confidence_interval(self.right, self.answers)
     }
 }
 

@@ -80,27 +80,15 @@ pub fn sessions(world: &World) -> Vec<Vec<Stand>> {
     let whole = (0.5, CORRIDOR_M - 2.0);
     let part = (CORRIDOR_M / 2.0 - 2.0, CORRIDOR_M - 2.0);
     let [a, b, c] = [spaces[0], spaces[1], spaces[2]];
-    let plan: Vec<Vec<(Space, (f64, f64))>> = if traits.lift {
-        vec![
-            vec![(a, whole), (b, whole)],
-            vec![(c, whole)],
-            vec![(b, whole), (a, part)],
-            vec![(c, part), (a, part)],
-        ]
+    let plan: &[&[(Space, (f64, f64))]] = if traits.lift {
+        &[&[(a, whole), (b, whole)], &[(c, whole)], &[(b, whole), (a, part)], &[(c, part), (a, part)]]
     } else {
-        vec![
-            vec![(a, whole)],
-            vec![(b, whole)],
-            vec![(a, whole)],
-            vec![(c, whole)],
-            vec![(b, part)],
-            vec![(a, part)],
-        ]
+        &[&[(a, whole)], &[(b, whole)], &[(a, whole)], &[(c, whole)], &[(b, part)], &[(a, part)]]
     };
-    let session = |legs: Vec<(Space, (f64, f64))>| {
+    let session = |legs: &&[(Space, (f64, f64))]| {
         let mut stands = Vec::new();
         let mut second = 0;
-        for (leg, (space, (from_m, to_m))) in legs.into_iter().enumerate() {
+        for (leg, (space, (from_m, to_m))) in legs.iter().copied().enumerate() {
             // Between two floors a minute passes.
             second += 60 * leg as u32;
             let offset_m = rng.normal(0.2);
@@ -113,5 +101,5 @@ pub fn sessions(world: &World) -> Vec<Vec<Stand>> {
         }
         stands
     };
-    plan.into_iter().map(session).collect()
+    plan.iter().map(session).collect()
 }

@@ -14,26 +14,23 @@ pub fn loops(kinds: &[Kind], played: &[Played]) -> String {
         "                            by query                                           by visit          false in  sessions joined\n\
          kind           worlds queries   right near wrong  precision (old)  recall     right wrong  of      1,000  that never met\n",
     );
-    let of_kind = |kind: &Kind| Score::of(played.iter().filter(|played| played.kind == kind.name()));
-    let rows = kinds.iter().map(|kind| (kind.name(), of_kind(kind))).chain([("all", Score::of(played))]);
+    let of_kind = |kind: &Kind| Score::of(played.iter().filter(|played| played.kind == *kind));
+    let rows = kinds.iter().map(|kind| (kind.as_str(), of_kind(kind))).chain([("all", Score::of(played))]);
     for (name, score) in rows {
         let precision = percent(score.right, score.right + score.wrong);
         // By the old score what is near is wrong.
         let old = format!("({})", percent(score.right, score.right + score.near + score.wrong));
         let recall = percent(score.right, score.with_truth);
+        let in_thousand = score.false_in_thousand();
+        let Score { worlds, queries, right, near, wrong, joined, .. } = score;
+        let Score { visits_right, visits_wrong, visits_with_truth, .. } = score;
+        let _ = write!(
+            table,
+            "{name:<15}{worlds:>6}{queries:>8}{right:>8}{near:>5}{wrong:>6}{precision:>10}{old:>8}{recall:>8}"
+        );
         let _ = writeln!(
             table,
-            "{name:<15}{:>6}{:>8}{:>8}{:>5}{:>6}{precision:>10}{old:>8}{recall:>8}{:>9}{:>6}{:>5}{:>10.1}{:>14}",
-            score.worlds,
-            score.queries,
-            score.right,
-            score.near,
-            score.wrong,
-            score.visits_right,
-            score.visits_wrong,
-            score.visits_with_truth,
-            score.false_in_thousand(),
-            score.joined,
+            "{visits_right:>9}{visits_wrong:>6}{visits_with_truth:>5}{in_thousand:>10.1}{joined:>14}"
         );
     }
     let all = Score::of(played);
@@ -74,7 +71,7 @@ pub fn reliability(played: &[Played]) -> String {
 
 fn cells(bin: &Bin) -> String {
     let said = bin.mean_said().map_or_else(|| "-".to_owned(), |said| format!("{:.1}", 100.0 * said));
-    let (low, high) = bin.interval();
+    let (low, high) = confidence_interval(bin.right, bin.answers);
     let interval = format!("[{:.1} {:.1}]", 100.0 * low, 100.0 * high);
     format!("{:>10}{said:>6}{:>8}{interval:>14}", bin.answers, percent(bin.right, bin.answers))
 }

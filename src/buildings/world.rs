@@ -87,7 +87,7 @@ impl World {
     pub fn new(kind: Kind, seed: u64) -> Self {
         let traits = kind.traits();
         let has = |extra| traits.hangs.contains(&extra);
-        let mut rng = SeededRng::new(seed, &format!("building {}", kind.name()));
+        let mut rng = SeededRng::new(seed, &format!("building {}", kind.as_str()));
         let naming = *rng.one_of(traits.naming);
         let mut signs = Vec::new();
         let mut hang = |space: Option<Space>, text: &str, kind: SignKind, at: [f64; 3], range_m: f64| {

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::check::contents;
 use super::failure::Failure;
 use super::output::write_out;
-use crate::domain::counted::counted;
 use crate::integrity::backup::{Copied, Copy, folder_of, regular_or_free};
 use crate::integrity::restore::{Allowed, restore};
 use crate::store::files::paths::DatabaseFiles;
 
-/// Suffix of the name of a copy that has faults.
-const DAMAGED: &str = ".damaged";
+/// Added to the name of a copy that has faults.
+const DAMAGED: &str = "damaged";
 
 /// Maximum faults listed; `revisit check --json` lists all.
 const LISTED: usize = 20;
@@ -76,7 +76,7 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
     if let Err(error) = database.mark_backup() {
         eprintln!("the server's metrics will not know of this backup: {error}");
     }
-    let (file, holds, verified) = (args.file.display(), report(&copied), verified(&copied));
+    let (file, holds, verified) = (args.file.display(), contents(&copied.holds), verified(&copied));
     Ok(write_out(&format!(
         "{file}: {holds}; {} bytes, {verified}, sha256 {}\n",
         copied.bytes, copied.sha256
@@ -87,9 +87,7 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
 fn keep_damaged(copy: Copy, args: &BackupArgs) -> Result<String, Failure> {
     let count = copy.faults().len();
     let listed = copy.faults()[..count.min(LISTED)].join("\n  ");
-    let mut name = args.file.clone().into_os_string();
-    name.push(DAMAGED);
-    let damaged = PathBuf::from(name);
+    let damaged = args.file.with_added_extension(DAMAGED);
     let copied = copy.place(&damaged, args.force)?;
     Ok(format!(
         "not verified: the database has faults ({count}), and so has the copy, which is kept as {} ({} bytes, sha256 {}); \
@@ -106,7 +104,7 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
     let target = DatabaseFiles::of_url(&args.database)?;
     let backup = DatabaseFiles::of_path(&args.file);
     let restored = restore(&backup, &target, Allowed { replace: args.force, faults: args.damaged }).await?;
-    let holds = report(&restored.copied);
+    let holds = contents(&restored.copied.holds);
     // Its sum is not printed: SQLite has rewritten the file, so the sum differs from the backup's.
     let verified = match restored.faults.len() {
         0 => verified(&restored.copied).to_owned(),
@@ -135,15 +133,4 @@ fn verified(copied: &Copied) -> &'static str {
     } else {
         "its structure is sound; its maps have another schema and were not checked"
     }
-}
-
-fn report(copied: &Copied) -> String {
-    let holds = copied.holds;
-    format!(
-        "{}, {}, {}, schema {}",
-        counted(holds.maps, "map"),
-        counted(holds.keyframes, "keyframe"),
-        counted(holds.anchors, "anchor"),
-        holds.schema
-    )
 }

@@ -10,6 +10,7 @@ use super::output::write_out;
 use crate::domain::counted::counted;
 use crate::integrity::check::{IntegrityReport, check};
 use crate::integrity::map_check::MapCheck;
+use crate::store::Holdings;
 use crate::store::files::paths::DatabaseFiles;
 
 /// Maximum faults listed as text; `--json` has them all.
@@ -40,11 +41,8 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
     };
     let checked = check(&files).await?;
     let faults: Vec<String> = checked.all_faults().collect();
-    if args.json {
-        write_out(&format!("{}\n", as_json(&checked, &faults)))?;
-    } else {
-        write_out(&as_text(&checked, &faults))?;
-    }
+    let json = || format!("{}\n", as_json(&checked, &faults));
+    write_out(&if args.json { json() } else { as_text(&checked, &faults) })?;
     match faults.len() {
         0 => Ok(()),
         count => Err(format!("{}: {}", files.database().display(), counted(count, "fault")).into()),
@@ -53,11 +51,7 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
 
 fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
     let mut lines: Vec<String> = checked.maps.iter().map(map_line).collect();
-    if let Some(holds) = checked.holds {
-        let maps = counted(holds.maps, "map");
-        let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
-        lines.push(format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema));
-    }
+    lines.extend(checked.holds.as_ref().map(contents));
     lines.extend(checked.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
     if faults.len() > LISTED {
@@ -67,6 +61,13 @@ fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
         lines.push("sound".to_owned());
     }
     lines.into_iter().map(|line| line + "\n").collect()
+}
+
+/// Returns what a database or a backup has in it, on one line.
+pub(super) fn contents(holds: &Holdings) -> String {
+    let maps = counted(holds.maps, "map");
+    let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
+    format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema)
 }
 
 fn map_line(map: &MapCheck) -> String {

@@ -65,10 +65,7 @@ pub async fn run(args: CopyArgs) -> Result<(), Failure> {
     let transferred = done?;
     let rows: u64 = transferred.iter().map(|map| map.rows).sum();
     let releases = transferred.iter().filter(|map| map.id.parts().1.is_some()).count();
-    let of_maps = match releases {
-        0 => String::new(),
-        _ => format!(", {}", counted(releases, "release")),
-    };
+    let of_maps = if releases > 0 { format!(", {}", counted(releases, "release")) } else { String::new() };
     Ok(write_out(&format!(
         "{}: {}{of_maps} and the keys, {}; the same in {}\n",
         without_password(&args.to),

@@ -25,15 +25,13 @@ use crate::hotel::robot::client::Robot;
 use crate::hotel::route::tour;
 use crate::hotel::run::{self, AnsweredQuery, RunResult, drive};
 use crate::hotel::scenario::Scenario;
-use crate::hotel::scoring::explain::{Narrator, keyframe_id};
-use crate::hotel::scoring::paper::SEQUENCES;
+use crate::hotel::scoring::explain::keyframe_id;
+use crate::hotel::scoring::paper::FIGURE_6;
 use crate::hotel::scoring::results::SequenceResult;
 use crate::hotel::scoring::tables;
 use crate::hotel::sensing::noise::NoiseKind;
 use crate::hotel::sequence::Sequence;
 
-/// The sequence of the paper's Figure 6.
-const SEQUENCE: &str = "SE2 00";
 /// The map that is kept for inspection.
 const MAP: &str = "hotel";
 /// The arms that run after ours, with their descriptions.
@@ -80,16 +78,14 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     let server = server(&args).await?;
     write_out("Recording what the robot's camera sees on its way through the hotel ...\n\n")?;
     let client = Client::new(server.url())?;
-    let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
     let (scenario, second) = tokio::task::spawn_blocking(move || {
-        let scenario = Scenario::of_paper(&printed, &Patterns::new());
+        let scenario = Scenario::of_paper(&FIGURE_6, &Patterns::new());
         let second = second_tour(&scenario);
         (scenario, second)
     })
     .await?;
-    let narrator = Narrator { scenario: &scenario };
     let rooms: Vec<&str> =
-        scenario.tours[0].iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
+        scenario.tours[0].iter().map(|room| scenario.floors[0].numbers[*room].as_str()).collect();
     write_out(&format!(
         "A hotel of 24 rooms that are furnished alike, around a corridor of 100 m. A robot drives to rooms {}\n\
          ({} keyframes) and queries at each: is this a loop? Viewer: {}/\n\n",
@@ -97,21 +93,22 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         scenario.course.order.len(),
         server.url()
     ))?;
-    let mut teller = Teller::new(narrator, scenario.course.order.len());
+    let progress = Progress::new(scenario.course.order.len());
+    let mut teller = Teller { scenario: &scenario, progress, rejections: 0, loops: 0 };
     let ours = drive(&client, MAP, Method::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let met = second_robot(&client, &second).await?;
     write_out(&met)?;
     let mut drives = vec![ours];
     for (arm, method) in OTHERS {
         write_out(&format!("\nThe same tour again, with {method} ...\n"))?;
-        let map = format!("{MAP}-{}", arm.name());
+        let map = format!("{MAP}-{}", arm.as_str());
         let mut progress = Progress::new(scenario.course.order.len());
         let driven =
             drive(&client, &map, arm, &scenario.course, |asked| progress.count(asked, false)).await?;
         drives.push(driven);
     }
     let odometry = run::odometry(&scenario.course);
-    let results = [SequenceResult::of(printed, &scenario.course, &odometry, &drives)];
+    let results = [SequenceResult::of(FIGURE_6, &scenario.course, &odometry, &drives)];
     let (table_2, caveats) = (tables::table_2(&results), tables::caveats(&results));
     write_out(&format!("\n{table_2}\n{caveats}\n{}\n", tables::table_3(&results)))?;
     if args.exit {
@@ -131,9 +128,9 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
 fn second_tour(scenario: &Scenario) -> Sequence {
     let rooms = &scenario.tours[0];
     let mut rng = SeededRng::new(2, "second robot");
-    let mut stops = tour(&scenario.world.plan, &rooms[..rooms.len().min(2)], &mut rng);
+    let mut stops = tour(&scenario.floors[0].plan, &rooms[..rooms.len().min(2)], &mut rng);
     stops.truncate(SECOND_KEYFRAMES);
-    Sequence::record(&scenario.world, &stops, NoiseKind::None.noise(), SECOND_DRIFT_M, 2)
+    Sequence::record(&scenario.floors[0], &stops, NoiseKind::None.noise(), SECOND_DRIFT_M, 2)
 }
 
 /// Drives a second robot, which knows nothing of the first one, and confirms some of its loops with it: the two share a frame from
@@ -221,17 +218,13 @@ impl Progress {
 
 /// Prints a selection of the answers.
 struct Teller<'a> {
-    narrator: Narrator<'a>,
+    scenario: &'a Scenario,
     progress: Progress,
     rejections: usize,
     loops: usize,
 }
 
-impl<'a> Teller<'a> {
-    fn new(narrator: Narrator<'a>, keyframes: usize) -> Self {
-        Self { narrator, progress: Progress::new(keyframes), rejections: 0, loops: 0 }
-    }
-
+impl Teller<'_> {
     fn hear(&mut self, asked: &AnsweredQuery) {
         let contradicts = asked.answer.leading().and_then(|candidate| candidate.anchors.as_ref());
         let contradicts = contradicts.is_some_and(|anchors| !anchors.contradictions.is_empty());
@@ -248,7 +241,7 @@ impl<'a> Teller<'a> {
         };
         if is_told {
             // As in `Progress`.
-            let _ = write_out(&format!("{}\n", self.narrator.said(asked)));
+            let _ = write_out(&format!("{}\n", self.scenario.said(asked)));
         }
         self.progress.count(asked, is_told);
     }

@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 use super::compressed_file::{CompressedFile, ZSTD_LEVEL};
 use super::failure::Failure;
 use crate::api::recording::write_line;
-use crate::client::Client;
+use crate::client::{Client, ClientError};
 use crate::domain::counted::counted;
 use crate::domain::ids::MapId;
 use crate::integrity::backup::{folder_of, regular_or_free};
@@ -50,8 +50,8 @@ pub struct ExportArgs {
 pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     if args.file == Path::new("-") {
         return match export(&args, &mut io::stdout().lock()).await {
-            Err(Unwritten::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-            exported => Ok(exported.map(drop)?),
+            Err(failure) if is_closed_pipe(&failure) => Ok(()),
+            exported => exported.map(drop),
         };
     }
     if args.file.exists() && !args.force {
@@ -74,65 +74,49 @@ fn temporary(beside: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new().permissions(mode).tempfile_in(folder_of(beside))
 }
 
-/// The reason why a recording was not written.
-#[derive(Debug, thiserror::Error)]
-enum Unwritten {
-    #[error("cannot write: {0}")]
-    Output(#[from] io::Error),
-    #[error(transparent)]
-    Client(crate::client::ClientError),
-    #[error(transparent)]
-    Store(#[from] crate::store::StoreError),
-    #[error("there is no database {}", .0.display())]
-    NoDatabase(PathBuf),
-    #[error("there is no map {0} in the database")]
-    NoMap(MapId),
+/// Whether standard output was closed, which is not an error.
+fn is_closed_pipe(failure: &Failure) -> bool {
+    let error = failure.downcast_ref::<ClientError>();
+    matches!(error, Some(ClientError::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe)
 }
 
 /// Writes the lines of a map, and returns their number.
-async fn export(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Unwritten> {
+async fn export(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Failure> {
     match &args.server {
         Some(server) => of_server(args, server, to).await,
         None => of_database(args, to).await,
     }
 }
 
-async fn of_server(args: &ExportArgs, server: &str, to: &mut impl Write) -> Result<usize, Unwritten> {
-    let client = Client::new(server).map_err(Unwritten::Client)?;
-    let client = match &args.key {
-        Some(key) => client.with_key(key),
-        None => client,
-    };
+async fn of_server(args: &ExportArgs, server: &str, to: &mut impl Write) -> Result<usize, Failure> {
+    let client = Client::new(server)?.with_key(args.key.clone());
     let mut lines = 0;
     let take = |bytes: &[u8]| {
         lines += bytes.split(|byte| *byte == b'\n').count() - 1;
         to.write_all(bytes)
     };
-    match client.export(args.map.as_str(), take).await {
-        Err(crate::client::ClientError::Write(error)) => Err(error.into()),
-        exported => exported.map_err(Unwritten::Client),
-    }?;
-    to.flush()?;
+    client.export(args.map.as_str(), take).await?;
+    to.flush().map_err(ClientError::Write)?;
     Ok(lines)
 }
 
-async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Unwritten> {
+async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Failure> {
     let files = DatabaseFiles::of_url(&args.database)?;
     if !files.exist() {
-        return Err(Unwritten::NoDatabase(files.database().to_owned()));
+        return Err(format!("there is no database {}", files.database().display()).into());
     }
-    let export = Export::of_database(&files, &args.map).await?;
-    let mut export = export.ok_or_else(|| Unwritten::NoMap(args.map.clone()))?;
+    let Some(mut export) = Export::of_database(&files, &args.map).await? else {
+        return Err(format!("there is no map {} in the database", args.map).into());
+    };
     let (mut lines, mut piece) = (0, Vec::new());
     while let Some(recorded) = export.next().await? {
-        write_line(&args.map, recorded, &mut piece).map_err(io::Error::from)?;
+        write_line(&args.map, recorded, &mut piece).map_err(|error| ClientError::Write(error.into()))?;
         lines += 1;
         if piece.len() >= PIECE_BYTES {
-            to.write_all(&piece)?;
+            to.write_all(&piece).map_err(ClientError::Write)?;
             piece.clear();
         }
     }
-    to.write_all(&piece)?;
-    to.flush()?;
+    to.write_all(&piece).and_then(|()| to.flush()).map_err(ClientError::Write)?;
     Ok(lines)
 }

@@ -17,6 +17,5 @@ pub async fn hotel_server() -> Result<OwnServer, Failure> {
 /// Starts it with its data in this folder.
 pub async fn hotel_server_in(folder: &Path, listen: SocketAddr) -> Result<OwnServer, Failure> {
     let vocabulary = tokio::task::spawn_blocking(|| Patterns::new().vocabulary()).await??;
-    let server = server_in(folder, Some(vocabulary), listen).await?;
-    Ok(OwnServer::new(server.url(), server))
+    server_in(folder, Some(vocabulary), listen).await
 }

@@ -146,13 +146,9 @@ fn note_missing_administrator(keys: &Keyring) {
 
 impl CreateArgs {
     fn properties(self) -> Result<KeyProperties, Failure> {
-        let expires = match self.expires_in_days {
-            Some(days) => {
-                let after = SystemTime::now() + Duration::from_hours(24) * days;
-                Some(Stamp { sec: after.duration_since(UNIX_EPOCH)?.as_secs() as i64, nanosec: 0 })
-            }
-            None => None,
-        };
+        let now = SystemTime::now().duration_since(UNIX_EPOCH)?;
+        let after = |days: u32| (now + Duration::from_hours(24) * days).as_secs() as i64;
+        let expires = self.expires_in_days.map(|days| Stamp { sec: after(days), nanosec: 0 });
         if self.name.chars().count() > 128 || self.name.chars().any(char::is_control) {
             return Err("--name: at most 128 printable characters".into());
         }
@@ -193,21 +189,14 @@ fn line(key: &Key) -> String {
         (None, Some(expires)) => say(format!("good for {}", days(expires.sec - now))),
         (None, None) => {}
     }
-    if let Some(rate) = rate_per_s {
-        say(format!("{} a second", counted(*rate, "request")));
-    }
-    if let Some(most) = max_maps {
-        say(format!("at most {}", counted(*most, "map")));
-    }
-    if let Some(most) = max_bytes {
-        say(format!("at most {}", counted(*most, "byte")));
-    }
-    if let Some(calls) = model_daily_calls {
-        say(format!("{} a day", counted(*calls, "model call")));
-    }
-    if let Some(microusd) = model_daily_microusd {
-        say(format!("{} USD for models per day", *microusd as f64 / 1e6));
-    }
+    let limits = [
+        rate_per_s.map(|rate| format!("{} a second", counted(rate, "request"))),
+        max_maps.map(|most| format!("at most {}", counted(most, "map"))),
+        max_bytes.map(|most| format!("at most {}", counted(most, "byte"))),
+        model_daily_calls.map(|calls| format!("{} a day", counted(calls, "model call"))),
+        model_daily_microusd.map(|microusd| format!("{} USD for models per day", microusd as f64 / 1e6)),
+    ];
+    limits.into_iter().flatten().for_each(say);
     line
 }
 

@@ -148,9 +148,7 @@ fn keyless(listen: SocketAddr, database: &str) -> String {
 /// Returns a server on a temporary database, for `replay`.
 pub async fn own_server() -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
-    let server = server_in(directory.path(), None, LOCAL).await?;
-    // Dropped in this order: the server stops before its directory is removed.
-    Ok(OwnServer::new(server.url(), (server, directory)))
+    server_in(directory.path(), None, LOCAL).await.map(|server| server.with(directory))
 }
 
 /// Returns a server with this vocabulary, whose data is in this folder.
@@ -158,7 +156,7 @@ pub(super) async fn server_in(
     folder: &Path,
     vocabulary: Option<Vocabulary>,
     listen: SocketAddr,
-) -> Result<RunningServer, Failure> {
+) -> Result<OwnServer, Failure> {
     let database = format!("sqlite://{}", folder.join("revisit.db").display());
     let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
     if let Some(vocabulary) = vocabulary {
@@ -169,7 +167,8 @@ pub(super) async fn server_in(
     let service = Service::open(options).await?;
     let limits = limits::LimitArgs::of::<&str>(&[])?;
     let started = RunningServer::start_at(service, limits, listen).await;
-    Ok(started.map_err(|error| format!("cannot listen on {listen}: {error}"))?)
+    let server = started.map_err(|error| format!("cannot listen on {listen}: {error}"))?;
+    Ok(OwnServer::new(server.url(), server))
 }
 
 /// Disables huge pages for this process. The kernel creates them from 2 MB regions with a single page in use, and

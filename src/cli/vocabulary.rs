@@ -1,22 +1,18 @@
 //! `revisit vocabulary`: converts, describes and trains vocabularies.
 
-use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, Read as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use base64::Engine as _;
-use base64::engine::DecodePaddingMode;
-use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use clap::{Args, Subcommand, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Deserialize;
 
 use super::compressed_file::CompressedFile;
 use super::failure::Failure;
-use super::output::write_out;
+use super::output::{progress_bar, write_out};
+use crate::api::decoding::base64;
 use crate::vocabulary::train::{TrainSettings, TrainingSet, train};
 use crate::vocabulary::{Vocabulary, decompressed};
 
@@ -171,15 +167,12 @@ fn load(path: &Path) -> Result<Vocabulary, Failure> {
 
 /// Writes a temporary file first, so that the old one stays intact until the new one is complete.
 fn save(vocabulary: &Vocabulary, path: &Path, form: FormArgs) -> Result<(), Failure> {
-    let failed = |error: io::Error| -> Failure { format!("cannot write {}: {error}", path.display()).into() };
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
+    let partial = path.with_added_extension("partial");
     let written = write_to(vocabulary, &partial, path, form).and_then(|()| fs::rename(&partial, path));
     written.map_err(|error| {
         // It may not exist.
         let _ = fs::remove_file(&partial);
-        failed(error)
+        format!("cannot write {}: {error}", path.display()).into()
     })
 }
 
@@ -197,31 +190,21 @@ fn write_to(vocabulary: &Vocabulary, partial: &Path, path: &Path, form: FormArgs
 
 /// The members of a recording's line that training needs.
 #[derive(Deserialize)]
-struct Line<'a> {
-    #[serde(borrow)]
-    op: Cow<'a, str>,
-    #[serde(borrow)]
-    body: Option<Body<'a>>,
+struct Line {
+    op: String,
+    body: Option<Body>,
 }
 
 #[derive(Deserialize)]
-struct Body<'a> {
-    #[serde(borrow)]
-    features: Option<Descriptors<'a>>,
+struct Body {
+    features: Option<Descriptors>,
 }
 
 #[derive(Deserialize)]
-struct Descriptors<'a> {
+struct Descriptors {
     descriptor_bytes: usize,
-    #[serde(borrow)]
-    descriptors: Cow<'a, str>,
+    descriptors: String,
 }
-
-/// Decodes as the service does: with or without padding.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &base64::alphabet::STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
-);
 
 fn read_recording(path: &Path, set: &mut TrainingSet) -> Result<(), Failure> {
     let file = File::open(path)?;
@@ -250,7 +233,7 @@ fn add_line(text: &[u8], set: &mut TrainingSet) -> Result<(), Failure> {
     let line: Line = serde_json::from_slice(text)?;
     let features = line.body.and_then(|body| body.features);
     if let Some(features) = features.filter(|_| line.op == "keyframe") {
-        set.add_image(features.descriptor_bytes, &BASE64.decode(&*features.descriptors)?)?;
+        set.add_image(features.descriptor_bytes, &base64::decode(&features.descriptors)?)?;
     }
     Ok(())
 }
@@ -259,13 +242,6 @@ fn is_recording(path: &Path) -> io::Result<bool> {
     let mut head = Vec::new();
     decompressed(File::open(path)?)?.take(64).read_to_end(&mut head)?;
     Ok(head.trim_ascii_start().starts_with(b"{"))
-}
-
-/// Returns a progress bar on standard error, shown only on a terminal.
-fn progress_bar(what: &'static str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::no_length().with_style(style).with_message(what)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(super) fn base_url(given: &str) -> Result<String, ClientError> {
 }
 
 /// `base/segment/segment?name=value`.
-pub(super) fn url(base: &str, path: &[&str], query: &[(&str, &str)]) -> Result<String, ClientError> {
+pub(super) fn url(base: &str, path: &[&str], query: &[(&str, String)]) -> Result<String, ClientError> {
     let mut url = base.to_owned();
     for segment in path {
         // URL parsers resolve these two, percent-encoded or not: such an id cannot be addressed.
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_query_is_encoded_too() {
-        let url = url("http://h", &["x"], &[("text", "a&b=c"), ("limit", "2")]);
+        let url = url("http://h", &["x"], &[("text", "a&b=c".to_owned()), ("limit", "2".to_owned())]);
         assert_eq!(url.expect("an address"), "http://h/x?text=a%26b%3Dc&limit=2");
     }
 

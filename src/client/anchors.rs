@@ -5,7 +5,7 @@ use reqwest::Method;
 
 use super::connection::Client;
 use super::error::ClientError;
-use super::maps::{Page, borrowed};
+use super::maps::Page;
 use super::operation::operations;
 use crate::api::anchor::{AnchorPatchBody, AnchorView};
 use crate::api::list::AnchorList;
@@ -61,12 +61,12 @@ operations! {
 impl Client {
     /// Lists anchors, oldest first.
     pub async fn list_anchors(&self, map: &str, search: &AnchorSearch) -> Result<AnchorList, ClientError> {
-        self.read(&["v1", "maps", map, "anchors"], &borrowed(&search.parameters())).await
+        self.read(&["v1", "maps", map, "anchors"], &search.parameters()).await
     }
 
     /// Reads the image of an anchor, a PNG or JPEG file.
     pub async fn crop(&self, map: &str, anchor: &str) -> Result<Bytes, ClientError> {
         let path = ["v1", "maps", map, "anchors", anchor, "crop"];
-        Ok(self.send(Method::GET, &path, &[], None::<&()>).await?.bytes())
+        Ok(self.ask(Method::GET, &path, &[]).await?.bytes())
     }
 }

@@ -50,10 +50,9 @@ impl Client {
         Ok(Self { http, base_url, key: None })
     }
 
-    /// Returns the same client, showing an API key as `authorization: Bearer ...`.
-    pub fn with_key(mut self, key: impl Into<String>) -> Self {
-        self.key = Some(key.into());
-        self
+    /// Returns the same client, showing an API key, if there is one, as `authorization: Bearer ...`.
+    pub fn with_key(self, key: impl Into<Option<String>>) -> Self {
+        Self { key: key.into(), ..self }
     }
 
     /// Returns the server's address, without a slash at the end.
@@ -65,14 +64,19 @@ impl Client {
     pub(super) async fn read<T: DeserializeOwned>(
         &self,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
     ) -> Result<T, ClientError> {
-        self.send(Method::GET, path, query, None::<&()>).await?.decode()
+        self.ask(Method::GET, path, query).await?.decode()
     }
 
-    /// DELETE of a resource; the answer is read where there is one.
-    pub(super) async fn remove(&self, path: &[&str], query: &[(&str, &str)]) -> Result<Answer, ClientError> {
-        self.send(Method::DELETE, path, query, None::<&()>).await
+    /// Sends a request without a body.
+    pub(super) async fn ask(
+        &self,
+        method: Method,
+        path: &[&str],
+        query: &[(&str, String)],
+    ) -> Result<Answer, ClientError> {
+        self.send(method, path, query, None::<&()>).await
     }
 
     /// Sends a body, and says whether the same was written before.
@@ -80,7 +84,7 @@ impl Client {
         &self,
         method: Method,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         body: &impl Serialize,
     ) -> Result<Written<T>, ClientError> {
         let answer = self.send(method, path, query, Some(body)).await?;
@@ -111,7 +115,7 @@ impl Client {
     pub(super) async fn pieces(
         &self,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         timeout: Duration,
         mut take: impl FnMut(&str, &[u8]) -> Result<ControlFlow<()>, ClientError>,
     ) -> Result<(), ClientError> {
@@ -133,11 +137,11 @@ impl Client {
     /// Sends one request and returns its answer; a busy server that names a time is asked again then.
     ///
     /// Asking again is harmless: every write carries an id, and a refused one did nothing.
-    pub(super) async fn send<B: Serialize>(
+    async fn send<B: Serialize>(
         &self,
         method: Method,
         path: &[&str],
-        query: &[(&str, &str)],
+        query: &[(&str, String)],
         body: Option<&B>,
     ) -> Result<Answer, ClientError> {
         let url = address::url(&self.base_url, path, query)?;
@@ -206,7 +210,7 @@ impl Answer {
         let replayed = response.headers().contains_key(IDEMPOTENT_REPLAYED);
         let body = response.bytes().await.map_err(|source| ClientError::transport(&url, source))?;
         if !status.is_success() {
-            return Err(Problem::read(status, &url, &body).into());
+            return Err(Box::new(Problem::read(status, &url, &body)).into());
         }
         Ok(Self { url, replayed, body })
     }

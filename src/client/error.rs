@@ -75,13 +75,6 @@ impl ClientError {
     }
 }
 
-impl From<Problem> for ClientError {
-    fn from(problem: Problem) -> Self {
-        Self::Problem(Box::new(problem))
-    }
-}
-
-/// "Connection refused" is at the bottom of reqwest's chain; what is above it helps nobody.
 /// An answer of 400 or above, as `application/problem+json` says it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]

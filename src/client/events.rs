@@ -19,9 +19,8 @@ impl Client {
         mut take: impl FnMut(EventView) -> ControlFlow<()>,
     ) -> Result<(), ClientError> {
         let path = ["v1", "maps", map, "events"];
-        let since = since.to_string();
         let mut received = Vec::new();
-        self.pieces(&path, &[("since", &since)], LISTEN_TIMEOUT, |url, piece| {
+        self.pieces(&path, &[("since", since.to_string())], LISTEN_TIMEOUT, |url, piece| {
             received.extend_from_slice(piece);
             while let Some(end) = received.windows(2).position(|two| two == b"\n\n") {
                 let event: Vec<u8> = received.drain(..end + 2).collect();

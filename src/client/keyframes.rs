@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
-use super::maps::{Page, borrowed};
+use super::maps::Page;
 use super::operation::operations;
 use crate::api::anchor::LocalAnchorMap;
 use crate::api::bulk::BulkLine;
@@ -44,9 +44,8 @@ impl Client {
         map: &str,
         page: &Page,
     ) -> Result<KeyframeList, ClientError> {
-        let parameters = page.parameters();
-        let parameters: Vec<(&str, &str)> =
-            [("redundant", "true")].into_iter().chain(borrowed(&parameters)).collect();
+        let redundant = [("redundant", "true".to_owned())];
+        let parameters: Vec<_> = redundant.into_iter().chain(page.parameters()).collect();
         self.read(&["v1", "maps", map, "keyframes"], &parameters).await
     }
 
@@ -58,8 +57,8 @@ impl Client {
         body: &impl Body<KeyframeBody>,
         ask_loop: bool,
     ) -> Result<Written<KeyframeAnswer>, ClientError> {
-        let query: &[(&str, &str)] = if ask_loop { &[("query", "loop")] } else { &[] };
-        self.write(Method::PUT, &["v1", "maps", map, "keyframes", keyframe], query, body).await
+        let query: Vec<_> = ask_loop.then(|| ("query", "loop".to_owned())).into_iter().collect();
+        self.write(Method::PUT, &["v1", "maps", map, "keyframes", keyframe], &query, body).await
     }
 
     /// Stores many keyframes in one request; the answer has one line for each of them.

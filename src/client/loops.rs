@@ -5,7 +5,7 @@ use reqwest::Method;
 use super::body::Body;
 use super::connection::Client;
 use super::error::ClientError;
-use super::maps::{Page, borrowed};
+use super::maps::Page;
 use super::operation::operations;
 use crate::api::list::{LoopList, VerdictList};
 use crate::api::location::{LocateAnswerView, LocateBody};
@@ -36,7 +36,7 @@ impl Client {
         map: &str,
         body: &impl Body<LoopQueryBody>,
     ) -> Result<LoopAnswer, ClientError> {
-        let query = [("detail", Detail::Brief.as_str())];
+        let query = [("detail", Detail::Brief.as_str().to_owned())];
         Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &query, body).await?.answer)
     }
 
@@ -47,8 +47,8 @@ impl Client {
         filter: &[(&str, &str)],
         page: &Page,
     ) -> Result<VerdictList, ClientError> {
-        let page = page.parameters();
-        let parameters: Vec<_> = filter.iter().copied().chain(borrowed(&page)).collect();
+        let filter = filter.iter().map(|(name, value)| (*name, (*value).to_owned()));
+        let parameters: Vec<_> = filter.chain(page.parameters()).collect();
         self.read(&["v1", "maps", map, "loop-queries"], &parameters).await
     }
 }

@@ -37,11 +37,6 @@ impl Page {
     }
 }
 
-/// Borrows parameters as a request takes them.
-pub(super) fn borrowed<'a>(parameters: &'a [(&'static str, String)]) -> Vec<(&'static str, &'a str)> {
-    parameters.iter().map(|(name, value)| (*name, value.as_str())).collect()
-}
-
 operations! {
     /// Lists the sessions of a map, and their alignments to a plan.
     list list_sessions(map) ["v1", "maps", map, "sessions"] SessionList;
@@ -68,7 +63,7 @@ operations! {
 impl Client {
     /// Reads where the sessions of a map lie to a reference.
     pub async fn frames(&self, map: &str, reference: Option<&str>) -> Result<FramesView, ClientError> {
-        let query: Vec<(&str, &str)> = reference.map(|session| ("reference", session)).into_iter().collect();
+        let query: Vec<_> = reference.map(|session| ("reference", session.to_owned())).into_iter().collect();
         self.read(&["v1", "maps", map, "frames"], &query).await
     }
 
@@ -90,9 +85,9 @@ impl Client {
         format: &str,
         session: Option<&str>,
     ) -> Result<String, ClientError> {
-        let query: Vec<(&str, &str)> =
-            [("format", format)].into_iter().chain(session.map(|session| ("session", session))).collect();
+        let session = session.map(|session| ("session", session.to_owned()));
+        let query: Vec<_> = [("format", format.to_owned())].into_iter().chain(session).collect();
         let path = ["v1", "maps", map, "trajectory"];
-        Ok(self.send(Method::GET, &path, &query, None::<&()>).await?.text())
+        Ok(self.ask(Method::GET, &path, &query).await?.text())
     }
 }

@@ -19,10 +19,11 @@ macro_rules! operations {
 }
 
 macro_rules! operation {
-    (read $(#[$doc:meta])* $name:ident($($id:ident),*) [$($step:expr),+] $answer:ty) => {
+    (read $($row:tt)+) => { $crate::client::operation::operation! { ask GET $($row)+ } };
+    (ask $method:ident $(#[$doc:meta])* $name:ident($($id:ident),*) [$($step:expr),+] $answer:ty) => {
         $(#[$doc])*
         pub async fn $name(&self, $($id: &str),*) -> Result<$answer, $crate::client::ClientError> {
-            self.read(&[$($step),+], &[]).await
+            self.ask(reqwest::Method::$method, &[$($step),+], &[]).await?.decode()
         }
     };
     (list $(#[$doc:meta])* $name:ident($($id:ident),*) [$($step:expr),+] $answer:ty) => {
@@ -32,7 +33,7 @@ macro_rules! operation {
             $($id: &str,)*
             page: &$crate::client::Page,
         ) -> Result<$answer, $crate::client::ClientError> {
-            self.read(&[$($step),+], &$crate::client::maps::borrowed(&page.parameters())).await
+            self.read(&[$($step),+], &page.parameters()).await
         }
     };
     (put $($row:tt)+) => { $crate::client::operation::operation! { write PUT $($row)+ } };
@@ -62,15 +63,10 @@ macro_rules! operation {
     (remove $(#[$doc:meta])* $name:ident($($id:ident),*) [$($step:expr),+]) => {
         $(#[$doc])*
         pub async fn $name(&self, $($id: &str),*) -> Result<(), $crate::client::ClientError> {
-            self.remove(&[$($step),+], &[]).await.map(drop)
+            self.ask(reqwest::Method::DELETE, &[$($step),+], &[]).await.map(drop)
         }
     };
-    (remove $(#[$doc:meta])* $name:ident($($id:ident),*) [$($step:expr),+] $answer:ty) => {
-        $(#[$doc])*
-        pub async fn $name(&self, $($id: &str),*) -> Result<$answer, $crate::client::ClientError> {
-            self.remove(&[$($step),+], &[]).await?.decode()
-        }
-    };
+    (remove $($row:tt)+) => { $crate::client::operation::operation! { ask DELETE $($row)+ } };
 }
 
 pub(super) use {operation, operations};

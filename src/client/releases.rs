@@ -30,8 +30,8 @@ impl Client {
         since: &str,
         until: Option<&str>,
     ) -> Result<ReleaseChangesView, ClientError> {
-        let until = until.map(|until| ("until", until));
-        let query: Vec<(&str, &str)> = [("since", since)].into_iter().chain(until).collect();
+        let until = until.map(|until| ("until", until.to_owned()));
+        let query: Vec<_> = [("since", since.to_owned())].into_iter().chain(until).collect();
         self.read(&["v1", "maps", map, "changes"], &query).await
     }
 }

@@ -30,12 +30,12 @@ operations! {
 impl Client {
     /// Reads the metrics, in the text format of Prometheus.
     pub async fn metrics(&self) -> Result<String, ClientError> {
-        Ok(self.send(Method::GET, &["metrics"], &[], None::<&()>).await?.text())
+        Ok(self.ask(Method::GET, &["metrics"], &[]).await?.text())
     }
 
     /// Revokes a key; the last one of an administrator only if `last_admin`.
     pub async fn delete_key(&self, id: &str, last_admin: bool) -> Result<(), ClientError> {
-        let query: &[(&str, &str)] = if last_admin { &[("last_admin", "true")] } else { &[] };
-        self.remove(&["v1", "keys", id], query).await.map(drop)
+        let query: Vec<_> = last_admin.then(|| ("last_admin", "true".to_owned())).into_iter().collect();
+        self.ask(Method::DELETE, &["v1", "keys", id], &query).await.map(drop)
     }
 }

@@ -75,7 +75,7 @@ async fn every_operation_asks_what_the_api_document_says() {
     let asked = Arc::new(AtomicU32::new(0));
     let next = move || axum::Json(answers[asked.fetch_add(1, Ordering::SeqCst) as usize].clone());
     let (client, log) = stub(next).await;
-    let client = client.with_key("secret");
+    let client = client.with_key("secret".to_owned());
     let body = body();
     client.put_map("m", &body).await.expect("an answer");
     client.put_keyframe("m", "k:1", &body, false).await.expect("an answer");

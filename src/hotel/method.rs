@@ -1,24 +1,22 @@
 //! Arms: the methods that run on the same data.
 
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::api::settings::MapSettings;
+use crate::named::named;
 
-/// A method of finding loops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// Revisit with its defaults.
-    Ours,
-    /// The paper's exact method, with all of our extensions off, on ORB-SLAM3 (§III).
-    Paper,
-    /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
-    #[serde(rename = "bow")]
-    BagOfWords,
-    /// Revisit with its defaults, for a robot with one camera and no depth ([`super::sensing::monocular`]).
-    #[serde(rename = "monocular")]
-    OursMonocular,
+named! {
+    /// A method of finding loops, with its name in tables.
+    Method: &'static str {
+        /// Revisit with its defaults.
+        Ours = "ours", "Ours";
+        /// The paper's exact method, with all of our extensions off, on ORB-SLAM3 (§III).
+        Paper = "paper", "Paper's letter";
+        /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
+        BagOfWords = "bow", "BoW + Sim3";
+        /// Revisit with its defaults, for a robot with one camera and no depth ([`super::sensing::monocular`]).
+        OursMonocular = "monocular", "Ours monocular";
+    }
 }
 
 impl Method {
@@ -26,26 +24,6 @@ impl Method {
     pub const OF_SEQUENCES: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
     /// The arms for random worlds: bag of words with Sim3 fails in each of them.
     pub const OF_WORLDS: [Self; 3] = [Self::Ours, Self::OursMonocular, Self::Paper];
-
-    /// Returns the name for files and map ids.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ours => "ours",
-            Self::Paper => "paper",
-            Self::BagOfWords => "bow",
-            Self::OursMonocular => "monocular",
-        }
-    }
-
-    /// Returns the name in tables.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Ours => "Ours",
-            Self::Paper => "Paper's letter",
-            Self::BagOfWords => "BoW + Sim3",
-            Self::OursMonocular => "Ours monocular",
-        }
-    }
 
     /// Returns the settings of its map.
     pub fn settings(self) -> MapSettings {
@@ -83,7 +61,7 @@ mod tests {
     #[test]
     fn an_arm_has_one_name_in_maps_and_in_results() {
         for arm in Method::OF_SEQUENCES.into_iter().chain(Method::OF_WORLDS) {
-            assert_eq!(serde_json::to_value(arm).unwrap(), arm.name());
+            assert_eq!(serde_json::to_value(arm).unwrap(), arm.as_str());
         }
     }
 }

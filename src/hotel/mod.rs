@@ -17,7 +17,7 @@
 //! | which loops it closes, and ORB-SLAM3's conditions for them | [`robot::loop_closing`], [`robot::common_regions`] |
 //! | methods, noise, worlds, identical-looking floors | [`method`], [`sensing::noise`], [`scenario`], [`building::storeys`] |
 //! | a run of one method in one world | [`run`] |
-//! | its scores | [`scoring::score`], [`scoring::absolute_pose_error`], [`scoring::results`], [`scoring::curve`] |
+//! | its scores | [`scoring::score`], [`scoring::absolute_pose_error`], [`scoring::results`] |
 //! | presentation | [`scoring::tables`], [`figures`], [`scoring::explain`], [`scoring::tum`], [`scoring::paper`] |
 //! | a tour for `revisit replay` | [`recording`] |
 //! | random numbers, and which worlds are held out | [`rng`], [`seeds`] |

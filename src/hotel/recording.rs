@@ -3,6 +3,8 @@
 //! Poses are those of odometry: a recording cannot close loops and correct poses, because it does not receive the
 //! answers.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use super::method::Method;
@@ -33,10 +35,8 @@ pub fn recording(
         body.bow = Some(BowShape { words, weights, vocabulary: None });
         let id = keyframe_id(*at);
         lines.push(json!({"op": "keyframe", "id": id, "body": body}));
-        let ids = |keyframes: &std::collections::HashSet<KeyframeIndex>| -> Vec<String> {
-            let mut sorted: Vec<_> = keyframes.iter().copied().collect();
-            sorted.sort_unstable();
-            sorted.into_iter().map(keyframe_id).collect()
+        let ids = |keyframes: &BTreeSet<KeyframeIndex>| -> Vec<String> {
+            keyframes.iter().copied().map(keyframe_id).collect()
         };
         let (truth, ignore) = (ids(&answerable.truth), ids(&answerable.ignore));
         lines.push(json!({"op": "query", "keyframe": id, "body": {}, "truth": truth, "ignore": ignore}));

@@ -69,7 +69,7 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], rng: &mut SeededRng) -> Vec<Stop>
         walk.look_around();
     }
     // Back in the first room, it again sees its first view, the way out.
-    walk.face_out(rooms[rooms.len() - 1]);
+    walk.head_out(rooms[rooms.len() - 1], THRESHOLD_M);
     walk.stops
 }
 
@@ -119,17 +119,15 @@ impl Walk<'_> {
         }
     }
 
-    /// Turns to the door and drives up to it, still inside.
-    fn face_out(&mut self, room: usize) {
+    /// Turns to the door and drives up to so far behind it.
+    fn head_out(&mut self, room: usize, behind_m: f64) {
         let door = self.plan.rooms[room].door;
         self.turn_to(door.heading_rad() + PI);
-        self.drive_to(door.at(0.0, THRESHOLD_M));
+        self.drive_to(door.at(0.0, behind_m));
     }
 
     fn leave(&mut self, room: usize) {
-        let door = self.plan.rooms[room].door;
-        self.turn_to(door.heading_rad() + PI);
-        self.drive_to(door.at(0.0, -CORRIDOR_HALF_WIDTH_M));
+        self.head_out(room, -CORRIDOR_HALF_WIDTH_M);
         self.look_around();
     }
 
@@ -146,20 +144,14 @@ impl Walk<'_> {
         let ahead_m = (to_m - from_m).rem_euclid(ring_m);
         let forward = ahead_m <= ring_m / 2.0;
         let total_m = if forward { ahead_m } else { ring_m - ahead_m };
-        let travelled_m = |corner_m: f64| {
-            if forward {
-                (corner_m - from_m).rem_euclid(ring_m)
-            } else {
-                (from_m - corner_m).rem_euclid(ring_m)
-            }
-        };
+        let sign = if forward { 1.0 } else { -1.0 };
+        let travelled_m = |corner_m: f64| (sign * (corner_m - from_m)).rem_euclid(ring_m);
         let mut ends: Vec<f64> =
             self.plan.corners_m().into_iter().map(travelled_m).filter(|m| *m < total_m).collect();
         ends.sort_by(f64::total_cmp);
         ends.push(total_m);
         let mut start_m = 0.0;
         for end_m in ends {
-            let sign = if forward { 1.0 } else { -1.0 };
             let middle_m = from_m + sign * (start_m + end_m) / 2.0;
             let (_, along) = self.plan.centreline(middle_m);
             self.turn_to(if forward { along } else { along + PI });

@@ -7,17 +7,16 @@ use super::robot::client::{DriveError, Robot};
 use super::robot::loop_closing::{LoopClosing, find};
 use super::robot::message;
 use super::route::Place;
-use super::scoring::absolute_pose_error::rmse_after_alignment;
+use super::scoring::absolute_pose_error::{centres, rmse_after_alignment};
 use super::scoring::score::{Outcome, Scored};
 use super::scoring::truth::{Answerable, KeyframeIndex, answers, apart_m};
 use super::sensing::monocular::{self, ScaleError};
-use super::sensing::odometry::integrate;
-use super::sequence::Sequence;
+use super::sequence::{Sequence, by_odometry};
 use crate::api::verdict::{CandidateView, LoopAnswer};
 use crate::client::Client;
 use crate::domain::reason::ReasonCode;
 use crate::geometry::absolute_orientation::Scale;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Pose, Sim3};
 
 /// Journeys with their truth, shared by every arm.
 #[derive(Clone, Debug)]
@@ -41,7 +40,13 @@ impl Course {
             .filter(|(robot, number)| *number < journeys[*robot].steps.len())
             .collect();
         let answers = answers(&journeys, &order);
-        let first_stays = first_stays(&journeys, &order);
+        let mut first_stays = HashMap::new();
+        for (robot, number) in &order {
+            let stop = journeys[*robot].steps[*number].stop;
+            if stop.place != Place::Corridor {
+                first_stays.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
+            }
+        }
         Self { journeys, order, answers, first_stays }
     }
 
@@ -51,17 +56,6 @@ impl Course {
         let stay = (keyframe.0, stop.visit);
         self.first_stays.get(&(stop.storey, stop.place)).is_some_and(|first| *first != stay)
     }
-}
-
-fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize, Place), (usize, usize)> {
-    let mut first = HashMap::new();
-    for (robot, number) in order {
-        let stop = journeys[*robot].steps[*number].stop;
-        if stop.place != Place::Corridor {
-            first.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
-        }
-    }
-    first
 }
 
 /// One query with its answer.
@@ -173,8 +167,9 @@ pub async fn drive(
     for robot in &mut robots {
         robot.finish().await?;
     }
-    let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.slam_map().poses().to_vec()).collect();
-    let scales: Vec<&[f64]> = robots.iter().map(|robot| robot.slam_map().scales()).collect();
+    let frames = || robots.iter().map(|robot| robot.slam_map().frames().iter());
+    let poses: Vec<Vec<Pose>> = frames().map(|frames| frames.map(Sim3::without_scale).collect()).collect();
+    let scales: Vec<Vec<f64>> = frames().map(|frames| frames.map(Sim3::scale).collect()).collect();
     let alignment = if arm.is_monocular() { Scale::Free } else { Scale::Fixed };
     Ok(RunResult {
         arm,
@@ -188,20 +183,14 @@ pub async fn drive(
 
 /// Returns the robots' poses by odometry alone.
 pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
-    let poses = |journey: &Sequence| {
-        let motions: Vec<Pose> = journey.steps.iter().skip(1).map(|step| step.motion).collect();
-        integrate(&motions)
-    };
-    course.journeys.iter().map(poses).collect()
+    course.journeys.iter().map(|journey| by_odometry(&journey.steps)).collect()
 }
 
 /// Returns the RMSE of the robots' positions, each aligned with its own truth, in metres.
 pub fn absolute_pose_error_m(journeys: &[Sequence], poses: &[Vec<Pose>], scale: Scale) -> f64 {
     let squared = journeys.iter().zip(poses).map(|(journey, poses)| {
-        let truth: Vec<Point3> =
-            journey.steps.iter().map(|step| step.stop.stand.map_from_camera().centre()).collect();
-        let estimated: Vec<Point3> = poses.iter().map(Pose::centre).collect();
-        rmse_after_alignment(&estimated, &truth, scale).map_or(f64::NAN, |rmse| rmse * rmse)
+        let rmse = rmse_after_alignment(&centres(poses), &centres(&journey.true_poses()), scale);
+        rmse.map_or(f64::NAN, |rmse| rmse * rmse)
     });
     (squared.sum::<f64>() / journeys.len() as f64).sqrt()
 }

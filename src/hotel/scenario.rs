@@ -3,7 +3,7 @@
 use super::building::floor_plan::Layout;
 use super::building::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
 use super::building::signs::SignPlan;
-use super::building::storeys::{STOREYS, storeys};
+use super::building::storeys::storeys;
 use super::building::texture::Patterns;
 use super::building::world::{World, WorldPlan};
 use super::rng::SeededRng;
@@ -22,10 +22,8 @@ const RANDOM_DRIFT_M: [f64; 2] = [0.22, 0.96];
 /// A world with its journeys.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The world.
-    pub world: World,
-    /// The identical-looking floors above it, if any.
-    pub upper: Vec<World>,
+    /// Its floors, from the lowest; several look alike.
+    pub floors: Vec<World>,
     /// The journeys through them.
     pub course: Course,
     /// The rooms of each tour.
@@ -47,58 +45,49 @@ impl Scenario {
 
     /// Returns the floor on which a robot drives.
     pub fn floor_of(&self, robot: usize) -> &World {
-        let storey = self.course.journeys[robot].steps.first().map_or(0, |step| step.stop.storey);
-        storey.checked_sub(1).map_or(&self.world, |above| &self.upper[above])
+        &self.floors[self.course.journeys[robot].storey()]
     }
 
     /// Returns a random world with some noise.
     pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
         let mut rng = SeededRng::new(seed, "scenario");
-        if kind == NoiseKind::SecondHotel {
-            return Self::of_storeys(&mut rng, patterns, seed);
-        }
-        let plan = WorldPlan {
-            layout: Layout::random(&mut rng),
-            floor: 1 + rng.below(12) as u32,
-            signs: SignPlan { repeated: kind.noise().repeated_signs, ..SignPlan::default() },
-            seed,
+        let is_second_hotel = kind == NoiseKind::SecondHotel;
+        let layout = Layout::random(&mut rng);
+        let floor = 1 + rng.below(if is_second_hotel { 10 } else { 12 }) as u32;
+        let floors = if is_second_hotel {
+            storeys(layout, floor, patterns, seed)
+        } else {
+            let signs = SignPlan { repeated: kind.noise().repeated_signs, ..SignPlan::default() };
+            vec![World::new(&WorldPlan { layout, floor, signs, seed }, patterns)]
         };
-        let world = World::new(&plan, patterns);
-        let robots = if kind == NoiseKind::Fleet { 2 } else { 1 };
+        // One on each floor, and one more where several share a map.
+        let robots = floors.len() + usize::from(is_second_hotel || kind == NoiseKind::Fleet);
         let drifts_m: Vec<f64> =
             (0..robots).map(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
         match kind {
-            NoiseKind::Renumbered => Self::renumbered(world, drifts_m[0], patterns, seed),
-            kind => Self::drive(vec![world], kind, RANDOM_ROOMS, &drifts_m, seed),
+            NoiseKind::Renumbered => Self::renumbered(floors, drifts_m[0], patterns, seed),
+            kind => Self::drive(floors, kind, RANDOM_ROOMS, &drifts_m, seed),
         }
     }
 
-    /// Returns the second hotel.
-    fn of_storeys(rng: &mut SeededRng, patterns: &Patterns, seed: u64) -> Self {
-        let (layout, lowest) = (Layout::random(rng), 1 + rng.below(10) as u32);
-        let drifts_m: [f64; STOREYS + 1] =
-            std::array::from_fn(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
-        let floors = storeys(layout, lowest, patterns, seed);
-        Self::drive(floors, NoiseKind::SecondHotel, RANDOM_ROOMS, &drifts_m, seed)
-    }
-
     /// Records one robot on a tour of many rounds, each with the drift of a single tour.
-    fn renumbered(world: World, drift_m: f64, patterns: &Patterns, seed: u64) -> Self {
+    fn renumbered(floors: Vec<World>, drift_m: f64, patterns: &Patterns, seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
+        let world = &floors[0];
         let mut round = some_rooms(&world.plan, ROOMS, &mut rng);
         round.pop();
-        let eras = eras(&world, &round, patterns, &mut SeededRng::new(seed, "renumbering"));
+        let eras = eras(world, &round, patterns, &mut SeededRng::new(seed, "renumbering"));
         let rooms: Vec<usize> = round.iter().cycle().take(ROUNDS * round.len() + 1).copied().collect();
         let stops = tour(&world.plan, &rooms, &mut rng);
-        let world_at = |visit: usize| world_of(&world, &eras, round_of(visit));
+        let world_at = |visit: usize| world_of(world, &eras, round_of(visit));
         let noise = NoiseKind::Renumbered.noise();
         let journey = Sequence::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
-        Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
+        Self { course: Course::new(vec![journey]), tours: vec![rooms], floors, eras }
     }
 
     /// Records one robot per drift, in turn on each of the floors, from the lowest. A further robot on a floor visits
     /// half of the first one's rooms.
-    fn drive(mut floors: Vec<World>, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
+    fn drive(floors: Vec<World>, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());
         for (robot, drift_m) in drifts_m.iter().enumerate() {
@@ -119,9 +108,7 @@ impl Scenario {
             journeys.push(Sequence::record(world, &stops, kind.noise(), *drift_m, seed));
             tours.push(tour_rooms);
         }
-        let upper = floors.split_off(1);
-        let world = floors.swap_remove(0);
-        Self { world, upper, course: Course::new(journeys), tours, eras: Vec::new() }
+        Self { floors, course: Course::new(journeys), tours, eras: Vec::new() }
     }
 }
 
@@ -135,7 +122,7 @@ mod tests {
     fn floors_are_alike_but_for_the_numbers_on_their_doors_and_no_place_is_on_two() {
         let floors = storeys(Layout::SE1, 3, &Patterns::new(), 5);
         let scenario = Scenario::drive(floors, NoiseKind::SecondHotel, 4, &[0.3; 4], 5);
-        let [first, second] = [&scenario.world, &scenario.upper[0]];
+        let [first, second] = [&scenario.floors[0], &scenario.floors[1]];
         let bits = |a: usize| -> u32 {
             let [a, b] = [first.points[a].descriptor, second.points[a].descriptor];
             a.iter().zip(b).map(|(a, b)| (a ^ b).count_ones()).sum()

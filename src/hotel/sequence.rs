@@ -8,9 +8,9 @@ use super::rng::SeededRng;
 use super::route::Stop;
 use super::sensing::noise::Noise;
 use super::sensing::ocr;
-use super::sensing::odometry::{drifting_motions, scale_drift};
+use super::sensing::odometry::{drifting_motions, integrate, scale_drift};
 use super::sensing::reader::Reader;
-use super::sensing::sensor::{Feature, take_image};
+use super::sensing::sensor::{Feature, SeenSign, take_image};
 use super::sensing::tracking::Tracker;
 use crate::geometry::{Point3, Pose};
 
@@ -50,8 +50,8 @@ pub struct Step {
     pub motion: Pose,
     /// Its corners.
     pub features: Vec<Feature>,
-    /// The map point of each feature, as the robot's tracking numbers it, and whether it is new.
-    pub map_points: Vec<(u64, bool)>,
+    /// The map point of each feature, as the robot's tracking numbers it.
+    pub map_points: Vec<u64>,
     /// The map points that it places.
     pub placed: Vec<Placed>,
     /// Its signs.
@@ -96,16 +96,18 @@ impl Sequence {
         let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
             let world = world_at(stop.visit);
             let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);
-            let map_points: Vec<(u64, bool)> =
-                image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();
-            let placed = placed_by_depth(&image.features, &map_points);
+            let (mut map_points, mut placed) = (Vec::new(), Vec::new());
+            for (place, feature) in image.features.iter().enumerate() {
+                let (id, is_new) = tracker.observe(feature.point, number);
+                map_points.push(id);
+                // A new map point stands at its depth.
+                placed.extend(is_new.then_some(Placed { feature: place, in_camera: feature.in_camera }));
+            }
             let seen = image.signs.into_iter().filter(|seen| !missing[seen.sign]);
             let mut detections: Vec<Detection> = seen
-                .filter_map(|seen| {
-                    let (bounding_box, sign) = (seen.bounding_box, &world.signs[seen.sign]);
+                .filter_map(|SeenSign { sign, bounding_box, confidence, features }| {
                     let (class, text) =
-                        reader.detect(seen.sign, sign, bounding_box, stop.visit, &mut reading)?;
-                    let (confidence, features) = (seen.confidence, seen.features);
+                        reader.detect(sign, &world.signs[sign], bounding_box, stop.visit, &mut reading)?;
                     Some(Detection { class, confidence, bounding_box, features, text })
                 })
                 .collect();
@@ -121,13 +123,22 @@ impl Sequence {
         });
         Self { steps: steps.collect(), scale_drift }
     }
+
+    /// Returns the true poses of its keyframes, `map_from_camera`.
+    pub fn true_poses(&self) -> Vec<Pose> {
+        self.steps.iter().map(|step| step.stop.stand.map_from_camera()).collect()
+    }
+
+    /// Returns its floor, of several identical-looking ones.
+    pub fn storey(&self) -> usize {
+        self.steps.first().map_or(0, |step| step.stop.storey)
+    }
 }
 
-/// Returns the new map points at their depth.
-fn placed_by_depth(features: &[Feature], map_points: &[(u64, bool)]) -> Vec<Placed> {
-    let features = features.iter().zip(map_points).enumerate();
-    let new = features.filter(|(_, (_, (_, is_new)))| *is_new);
-    new.map(|(feature, (seen, _))| Placed { feature, in_camera: seen.in_camera }).collect()
+/// Returns the poses of keyframes by odometry alone, in the frame of the first one's camera.
+pub fn by_odometry(steps: &[Step]) -> Vec<Pose> {
+    let motions: Vec<Pose> = steps.iter().skip(1).map(|step| step.motion).collect();
+    integrate(&motions)
 }
 
 /// Returns the indices of the features in a box, `[x0, y0, x1, y1]` in pixels.

@@ -42,7 +42,7 @@ async fn drive_through(course: &Course, arm: Method) -> RunResult {
     Patterns::new().vocabulary().unwrap().write_binary(std::fs::File::create(&vocabulary).unwrap()).unwrap();
     let server = Server::with_vocabulary(vocabulary).await;
     let client = Client::new(&server.url("")).unwrap();
-    drive(&client, arm.name(), arm, course, |_| {}).await.unwrap()
+    drive(&client, arm.as_str(), arm, course, |_| {}).await.unwrap()
 }
 
 fn counts(driven: &RunResult) -> (Counts, Counts) {

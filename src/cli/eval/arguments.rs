@@ -125,8 +125,8 @@ fn sequence(name: &str) -> Result<PrintedSequence, String> {
 }
 
 fn arm(name: &str) -> Result<Method, String> {
-    let found = Method::OF_WORLDS.into_iter().find(|arm| arm.name() == name);
-    found.ok_or_else(|| format!("one of {}", Method::OF_WORLDS.map(Method::name).join(", ")))
+    let found = Method::OF_WORLDS.into_iter().find(|arm| arm.as_str() == name);
+    found.ok_or_else(|| format!("one of {}", Method::OF_WORLDS.map(Method::as_str).join(", ")))
 }
 
 /// The generator that draws the worlds.
@@ -166,8 +166,8 @@ fn noise_kinds(name: &str) -> Result<NoiseKinds, String> {
         return Ok(NoiseKinds(NoiseKind::TROUBLES.to_vec()));
     }
     let has_noise = |kind: &NoiseKind| *kind != NoiseKind::SecondHotel;
-    let names: Vec<&str> = NoiseKind::ALL.into_iter().filter(has_noise).map(NoiseKind::name).collect();
-    let kind = NoiseKind::of_name(name).filter(has_noise);
+    let names: Vec<&str> = NoiseKind::ALL.into_iter().filter(has_noise).map(NoiseKind::as_str).collect();
+    let kind = NoiseKind::from_name(name).filter(has_noise);
     Ok(NoiseKinds(vec![kind.ok_or_else(|| format!("one of {}, all", names.join(", ")))?]))
 }
 

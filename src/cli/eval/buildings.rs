@@ -1,12 +1,11 @@
 //! `revisit eval buildings`: small buildings of many kinds, half of them for reporting only.
 
-use std::fs::File;
-use std::io::{BufWriter, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
+use super::record;
 use crate::buildings::kind::Kind;
 use crate::buildings::play::{Played, play, recording};
 use crate::buildings::tables;
@@ -54,15 +53,13 @@ pub(super) struct BuildingsArgs {
 }
 
 fn kind(name: &str) -> Result<Kind, String> {
-    let found = Kind::of_name(name).filter(|kind| !kind.is_held_out());
-    found.ok_or_else(|| format!("one of {}", Kind::TUNING.map(Kind::name).join(", ")))
+    let found = Kind::from_name(name).filter(|kind| !kind.is_held_out());
+    found.ok_or_else(|| format!("one of {}", Kind::NAMES[..Kind::TUNING.len()].join(", ")))
 }
 
 fn arm(name: &str) -> Result<Method, String> {
-    [Method::Ours, Method::Paper]
-        .into_iter()
-        .find(|arm| arm.name() == name)
-        .ok_or_else(|| "ours or paper".to_owned())
+    let found = Method::from_name(name).filter(|arm| [Method::Ours, Method::Paper].contains(arm));
+    found.ok_or_else(|| "ours or paper".to_owned())
 }
 
 /// Plays or records the worlds.
@@ -79,12 +76,8 @@ pub(super) async fn run(args: &BuildingsArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.record {
         std::fs::create_dir_all(folder)?;
         for (kind, seed) in worlds {
-            let mut file =
-                BufWriter::new(File::create(folder.join(format!("{}-{seed}.ndjson", kind.name())))?);
-            for line in recording(kind, seed, args.arm) {
-                writeln!(file, "{line}")?;
-            }
-            file.flush()?;
+            let file = folder.join(format!("{}-{seed}.ndjson", kind.as_str()));
+            record::write(&file, recording(kind, seed, args.arm))?;
         }
         return Ok(());
     }
@@ -104,7 +97,7 @@ pub(super) async fn run(args: &BuildingsArgs) -> Result<(), Failure> {
     let mut text = format!(
         "{} worlds of each kind {what}, {}\n\n{}\n",
         args.worlds,
-        args.arm.title(),
+        args.arm.words(),
         tables::loops(&kinds, &played)
     );
     // What the kinds for reporting are deceived by is not for whoever tunes the method.

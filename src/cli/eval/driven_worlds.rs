@@ -109,11 +109,9 @@ fn read(path: &Path, begin: &Begin) -> Result<Vec<WorldResult>, Failure> {
 }
 
 fn this_program() -> Result<String, Failure> {
-    let mut hasher = Sha256::new();
     // With /proc, the running program itself, even if a build has replaced its file since.
     let running = fs::read("/proc/self/exe").or_else(|_| fs::read(std::env::current_exe()?))?;
-    hasher.update(running);
-    Ok(STANDARD.encode(hasher.finalize()))
+    Ok(STANDARD.encode(Sha256::digest(running)))
 }
 
 #[cfg(test)]

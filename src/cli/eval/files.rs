@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::json;
 
+use super::curve::curve;
 use crate::cli::failure::Failure;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
@@ -12,14 +13,11 @@ use crate::hotel::figures::{Panel, precision_recall, trajectories};
 use crate::hotel::method::Method;
 use crate::hotel::run::RunResult;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::scoring::absolute_pose_error::alignment;
-use crate::hotel::scoring::curve::curve;
+use crate::hotel::scoring::absolute_pose_error::{alignment, centres};
+use crate::hotel::scoring::paper::FIGURE_6;
 use crate::hotel::scoring::results::{SequenceResult, WorldResult};
 use crate::hotel::scoring::score::Outcome;
 use crate::hotel::scoring::tum;
-
-/// The paper's Figure 6 shows this sequence.
-const FIGURE_6: &str = "SE2 00";
 
 /// One sequence, run by every arm.
 pub(super) struct Driven12 {
@@ -39,15 +37,15 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     fs::create_dir_all(&tum_folder)?;
     for driven in drives {
         let name = driven.result.sequence.replace(' ', "-");
-        let truth = truth(driven);
+        let truth = driven.scenario.course.journeys[0].true_poses();
         fs::write(tum_folder.join(format!("{name}-truth.tum")), tum::trajectory(&truth))?;
         fs::write(tum_folder.join(format!("{name}-odometry.tum")), tum::trajectory(&driven.odometry[0]))?;
         for arm in &driven.arms {
-            let file = tum_folder.join(format!("{name}-{}.tum", arm.arm.name()));
+            let file = tum_folder.join(format!("{name}-{}.tum", arm.arm.as_str()));
             fs::write(file, tum::trajectory(&arm.poses[0]))?;
         }
     }
-    if let Some(shown) = drives.iter().find(|driven| driven.result.sequence == FIGURE_6) {
+    if let Some(shown) = drives.iter().find(|driven| driven.result.printed == FIGURE_6) {
         fs::write(folder.join("figure6.svg"), trajectories(&panels(shown))?)?;
     }
     let of_arm = |arm: Method| -> Vec<&RunResult> {
@@ -73,11 +71,6 @@ fn write_json(folder: &Path, results: &serde_json::Value) -> Result<(), Failure>
     Ok(fs::write(folder.join("results.json"), format!("{results:#}\n"))?)
 }
 
-fn truth(driven: &Driven12) -> Vec<Pose> {
-    let steps = &driven.scenario.course.journeys[0].steps;
-    steps.iter().map(|step| step.stop.stand.map_from_camera()).collect()
-}
-
 fn panels(driven: &Driven12) -> Vec<Panel> {
     let arm = |arm: Method| driven.arms.iter().find(|driven| driven.arm == arm);
     let mut panels = Vec::new();
@@ -92,8 +85,8 @@ fn panels(driven: &Driven12) -> Vec<Panel> {
 }
 
 fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&RunResult>) -> Panel {
-    let centres = |poses: &[Pose]| -> Vec<Point3> { poses.iter().map(Pose::centre).collect() };
-    let (truth, estimate) = (centres(&truth(driven)), centres(poses));
+    let truth = centres(&driven.scenario.course.journeys[0].true_poses());
+    let estimate = centres(poses);
     let laid_over: Vec<Point3> = match alignment(&estimate, &truth, Scale::Fixed) {
         Some(truth_from_estimate) => {
             estimate.iter().map(|point| truth_from_estimate.transform(point)).collect()
@@ -119,6 +112,6 @@ fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&RunResult>
         truth: flat(&truth),
         estimate: flat(&laid_over),
         loops,
-        walls: driven.scenario.world.plan.walls.clone(),
+        walls: driven.scenario.floors[0].plan.walls.clone(),
     }
 }

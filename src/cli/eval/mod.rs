@@ -8,6 +8,7 @@
 //! | `worlds` | random worlds under noise |
 //! | `record` | a tour as a recording |
 //! | `restarts` | a robot that wakes up and asks where it is |
+//! | `curve` | an arm's curve of precision over recall |
 //! | `files` | figures, trajectories and JSON |
 //! | `driven_worlds` | incremental results, so that a run can be resumed |
 //! | `words_alone` | bag of words without geometry, beside the arms |
@@ -15,6 +16,7 @@
 
 mod arguments;
 mod buildings;
+mod curve;
 mod driven_worlds;
 mod files;
 mod progress;

@@ -53,8 +53,8 @@ async fn drive_sequence(
     let mut arms = Vec::new();
     for arm in Method::OF_SEQUENCES {
         let mut shown =
-            progress.drive(format!("{}, {}", printed.name(), arm.title()), scenario.course.order.len());
-        let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.name());
+            progress.drive(format!("{}, {}", printed.name(), arm.words()), scenario.course.order.len());
+        let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.as_str());
         arms.push(drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?);
         client.delete_map(&map).await?;
         shown.end();

@@ -14,7 +14,6 @@ use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
 use crate::hotel::run::drive;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::scoring::explain::Narrator;
 use crate::hotel::scoring::fleet::{self, FleetResult};
 use crate::hotel::scoring::results::{ArmResult, WorldResult};
 use crate::hotel::scoring::score::Outcome;
@@ -74,9 +73,9 @@ async fn drive_world(
     let scenario = world(kind, seed).await?;
     let (mut arms, mut fleet, mut rounds, mut signs) = (Vec::new(), None, Vec::new(), None);
     for arm in arms_of(kind).iter().copied() {
-        let name = format!("world {seed}, {}, {}", kind.title(), arm.title());
+        let name = format!("world {seed}, {}, {}", kind.words(), arm.words());
         let mut shown = progress.drive(name, scenario.course.order.len());
-        let map = format!("{}-{seed}-{}", kind.name(), arm.name());
+        let map = format!("{}-{seed}-{}", kind.as_str(), arm.as_str());
         let driven = drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?;
         shown.end();
         arms.push(ArmResult::of(&driven));
@@ -84,7 +83,7 @@ async fn drive_world(
             fleet = Some(FleetResult::of(&client.frames(&map, None).await?, &scenario.course, &driven));
         }
         if arm == Method::Ours && kind == NoiseKind::Renumbered {
-            rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
+            rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.floors[0], &scenario.eras);
             signs = Some(count_signs(client, &map, &scenario).await?);
         }
         client.delete_map(&map).await?;
@@ -109,22 +108,21 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
         let description = anchor.description.as_deref().unwrap_or_default();
         (anchor.state.0.as_str(), anchor.class.as_str(), description)
     });
-    Ok(Signs::count(told, &scenario.world, &scenario.eras))
+    Ok(Signs::count(told, &scenario.floors[0], &scenario.eras))
 }
 
 /// Explains one world: prints an arm's answers wherever it was wrong or missed a loop.
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
     for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;
-        let narrator = Narrator { scenario: &scenario };
         let tours = scenario.tours.iter().enumerate();
         let rooms: Vec<String> = tours.map(|(robot, tour)| tour_text(&scenario, robot, tour)).collect();
-        write_out(&format!("world {seed} under {}: rooms {}\n", kind.title(), rooms.join("; and ")))?;
-        let map = format!("{}-{seed}", kind.name());
+        write_out(&format!("world {seed} under {}: rooms {}\n", kind.words(), rooms.join("; and ")))?;
+        let map = format!("{}-{seed}", kind.as_str());
         let mut lines = Vec::new();
         let driven = drive(client, &map, args.arm, &scenario.course, |asked| {
             if matches!(asked.scored.outcome, Outcome::Wrong | Outcome::Missed) {
-                lines.push(narrator.judged(asked));
+                lines.push(scenario.judged(asked));
             }
         })
         .await?;

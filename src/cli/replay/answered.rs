@@ -16,30 +16,36 @@ pub(super) struct Labels {
     pub ignore: Vec<String>,
 }
 
-/// A query and its answer, without the parts that no report uses.
-#[derive(Clone, Debug)]
+/// A query and its answer, without the parts that no report uses; as JSON, those of a query worth inspecting.
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Answered {
     /// The map queried.
     pub map: String,
     /// The keyframe queried.
     pub keyframe: String,
     /// None: the ground truth is unknown, so the query is not scored.
+    #[serde(skip)]
     pub labels: Option<Labels>,
     /// The answer, as it counts.
     pub verdict: Decision,
     /// The reason why it is not a loop: the answer's own, or its leading candidate's.
     pub reason: Option<ReasonView>,
     /// The keyframe named best.
+    #[serde(skip)]
     best: Option<String>,
     /// Every keyframe that the answer reports as a loop.
+    #[serde(skip)]
     loops: Vec<String>,
     /// The candidate that the answer is about: the best, or else the nearest to acceptance.
+    #[serde(rename = "best")]
     pub leading: Option<Figures>,
     /// Of the true candidates, the nearest to acceptance.
     pub nearest_true: Option<Figures>,
     /// The keyframe that BoW alone would name, with its score.
+    #[serde(skip)]
     bow_best: Option<(String, f64)>,
     /// The reason code of each rejected candidate.
+    #[serde(skip)]
     pub candidate_reasons: Vec<ReasonCode>,
 }
 

@@ -56,8 +56,8 @@ impl Frames {
             .map_err(|error| format!("{}: {error}", path.display()))?;
         let mut common_from_session = BTreeMap::new();
         for (session, transform) in read.common_from_session {
-            let pose =
-                pose(transform).ok_or_else(|| format!("{}: {session} has no rotation", path.display()))?;
+            let pose = transform.pose();
+            let pose = pose.ok_or_else(|| format!("{}: {session} has no rotation", path.display()))?;
             common_from_session.insert(session, pose);
         }
         Ok(Self { common_from_session, ..Self::default() })
@@ -66,7 +66,8 @@ impl Frames {
     /// Records a sent keyframe.
     pub fn saw(&mut self, map: &str, id: &str, body: &serde_json::Map<String, Value>) {
         let session = body.get("session").and_then(Value::as_str).unwrap_or("default");
-        let sent = body.get("pose").and_then(|pose| Transform::deserialize(pose).ok()).and_then(pose);
+        let sent =
+            body.get("pose").and_then(|pose| Transform::deserialize(pose).ok()).and_then(Transform::pose);
         if let (Some(common_from_session), Some(session_from_camera)) =
             (self.common_from_session.get(session), sent)
         {
@@ -80,12 +81,8 @@ impl Frames {
         let camera = |id: &str| self.common_from_camera.get(&(map.to_owned(), id.to_owned()));
         let (Some(query), Some(candidate)) = (camera(query), camera(candidate)) else { return };
         let expected = candidate.inverse().after(query);
-        let Some(answered) = pose(Transform {
-            translation: candidate_from_query.translation,
-            rotation: candidate_from_query.rotation,
-        }) else {
-            return;
-        };
+        let Similarity { translation, rotation, .. } = *candidate_from_query;
+        let Some(answered) = (Transform { translation, rotation }).pose() else { return };
         let off = expected.inverse().after(&answered);
         let [.., w] = off.rotation_xyzw();
         let [a, b] = [expected, answered].map(|pose| pose.centre());
@@ -105,9 +102,4 @@ impl Frames {
             rotation_deg: spread(|error| error.1)?,
         })
     }
-}
-
-fn pose(transform: Transform) -> Option<Pose> {
-    let (t, r) = (transform.translation, transform.rotation);
-    Pose::new([t.x, t.y, t.z], [r.x, r.y, r.z, r.w])
 }

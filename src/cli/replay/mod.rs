@@ -26,10 +26,8 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use crate::cli::failure::Failure;
-use crate::cli::output::write_out;
+use crate::cli::output::{progress_bar, write_out};
 use crate::client::Client;
 use frames::Frames;
 use play::Player;
@@ -37,7 +35,7 @@ use recording::Recording;
 use report::Report;
 
 pub use arguments::ReplayArgs;
-pub use overrides::{Overrides, Setting};
+pub use overrides::Overrides;
 pub use own_server::OwnServer;
 pub use recording::{LineError, count_operations};
 
@@ -62,7 +60,8 @@ async fn replay<S>(args: &ReplayArgs, own_server: S) -> Result<Report, Failure>
 where
     S: AsyncFnOnce() -> Result<OwnServer, Failure>,
 {
-    let progress = progress_bar();
+    // Counts the bytes of the file.
+    let progress = progress_bar("");
     let recording = Recording::open(&args.file, &progress)
         .map_err(|error| format!("cannot read {}: {error}", args.file.display()))?;
     let frames = args.frames.as_deref().map(Frames::read).transpose()?;
@@ -81,19 +80,9 @@ where
     Ok(Report::new(args, played?))
 }
 
-/// Returns a progress bar that counts the bytes of the file, on standard error and only on a terminal.
-fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::no_length().with_style(style)
-}
-
 fn connect(args: &ReplayArgs, own_server: Option<&OwnServer>) -> Result<Client, Failure> {
-    let url = own_server.map(OwnServer::url);
-    let url = url.or(args.server.as_deref()).unwrap_or_default();
-    let client = Client::new(url)?;
-    Ok(match (&args.key, own_server) {
-        (Some(key), None) => client.with_key(key),
-        _ => client,
+    Ok(match own_server {
+        Some(own_server) => Client::new(own_server.url())?,
+        None => Client::new(args.server.as_deref().unwrap_or_default())?.with_key(args.key.clone()),
     })
 }

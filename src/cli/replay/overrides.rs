@@ -1,7 +1,5 @@
 //! Overrides: settings of the recording's maps, changed for this replay.
 
-use std::str::FromStr;
-
 use clap::Args;
 use clap::builder::BoolishValueParser;
 use serde_json::{Map, Value};
@@ -13,33 +11,21 @@ pub struct Overrides {
     #[arg(long, env = "REVISIT_PAPER", value_parser = BoolishValueParser::new())]
     pub paper: bool,
     /// Change a setting of every map of the recording; repeatable, overrides --paper
-    #[arg(long = "set", env = "REVISIT_SET", value_name = "NAME=VALUE", value_delimiter = ',')]
-    pub settings: Vec<Setting>,
+    #[arg(long = "set", env = "REVISIT_SET", value_name = "NAME=VALUE", value_delimiter = ',', value_parser = setting)]
+    pub settings: Vec<(String, Value)>,
     /// Mark every distance as assumed: `"range":"assumed"` on each detection
     #[arg(long, env = "REVISIT_ASSUMED_RANGES", value_parser = BoolishValueParser::new())]
     pub assumed_ranges: bool,
 }
 
-/// One `name=value`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// The name in the API document.
-    pub name: String,
-    /// A number, `true`, `false`, or else a string.
-    pub value: Value,
-}
-
-impl FromStr for Setting {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once('=') {
-            Some((name, value)) if !name.trim().is_empty() => Ok(Self {
-                name: name.trim().to_owned(),
-                value: serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.trim().to_owned())),
-            }),
-            _ => Err("expected name=value, say candidates_max=5".to_owned()),
+/// Reads one `name=value`: the name in the API document, and a number, `true`, `false`, or else a string.
+fn setting(text: &str) -> Result<(String, Value), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            let read = serde_json::from_str(value);
+            Ok((name.trim().to_owned(), read.unwrap_or_else(|_| Value::String(value.trim().to_owned()))))
         }
+        _ => Err("expected name=value, say candidates_max=5".to_owned()),
     }
 }
 
@@ -47,8 +33,7 @@ impl Overrides {
     /// Returns every changed setting with its value.
     pub(super) fn changes(&self) -> Map<String, Value> {
         let method = self.paper.then(|| ("method".to_owned(), Value::String("paper".to_owned())));
-        let set = self.settings.iter().map(|setting| (setting.name.clone(), setting.value.clone()));
-        method.into_iter().chain(set).collect()
+        method.into_iter().chain(self.settings.iter().cloned()).collect()
     }
 
     /// Changes the detections of a keyframe.
@@ -83,7 +68,7 @@ mod tests {
     use super::*;
 
     fn applied(paper: bool, set: &[&str], body: Value) -> Value {
-        let settings = set.iter().map(|text| text.parse().expect("name=value"));
+        let settings = set.iter().map(|text| setting(text).expect("name=value"));
         let overrides = Overrides { paper, settings: settings.collect(), assumed_ranges: false };
         let Value::Object(mut body) = body else { panic!("a body is an object") };
         overrides.apply(&mut body);
@@ -116,7 +101,7 @@ mod tests {
     #[test]
     fn a_setting_without_a_name_or_a_value_is_refused() {
         for text in ["", "candidates_max", "=5"] {
-            assert!(text.parse::<Setting>().is_err(), "{text:?} was taken");
+            assert!(setting(text).is_err(), "{text:?} was taken");
         }
     }
 }

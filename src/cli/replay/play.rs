@@ -1,6 +1,6 @@
 //! Play: turns operations into requests, sequentially in recorded order, and keeps the answers.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::time::Instant;
 
@@ -12,7 +12,6 @@ use super::answered::{Answered, Labels};
 use super::arguments::ReplayArgs;
 use super::frames::Frames;
 use super::latency::Times;
-use super::overrides::Overrides;
 use super::recording::{Body, Deleted, Line, Op, Recording};
 use crate::cli::failure::Failure;
 use crate::client::{Client, ClientError, Recorded};
@@ -21,15 +20,10 @@ use crate::client::{Client, ClientError, Recorded};
 const CONFLICT: u16 = 409;
 
 /// Plays one recording.
-pub(super) struct Player {
+pub(super) struct Player<'a> {
     client: Client,
-    map_prefix: String,
-    overrides: Overrides,
-    max_wait_ms: Option<u64>,
-    keep_going: bool,
+    args: &'a ReplayArgs,
     progress: ProgressBar,
-    /// Maps that the server had before this replay.
-    found: BTreeSet<String>,
     played: Played,
 }
 
@@ -56,8 +50,8 @@ pub(super) struct Performed {
 /// The results of a recording.
 #[derive(Debug, Default)]
 pub(super) struct Played {
-    /// The maps declared, as the server knows them.
-    pub maps: BTreeSet<String>,
+    /// The maps declared, as the server knows them, and whether it had them before.
+    pub maps: BTreeMap<String, bool>,
     /// The operations that were performed.
     pub performed: Performed,
     /// Of the keyframes stored, the ones that the server had before.
@@ -74,28 +68,19 @@ pub(super) struct Played {
     pub frames: Frames,
 }
 
-impl Player {
-    pub fn new(client: Client, args: &ReplayArgs, progress: ProgressBar, frames: Frames) -> Self {
-        Self {
-            client,
-            map_prefix: args.map_prefix.clone(),
-            overrides: args.overrides.clone(),
-            max_wait_ms: args.max_wait_ms,
-            keep_going: args.keep_going,
-            progress,
-            found: BTreeSet::new(),
-            played: Played { frames, ..Played::default() },
-        }
+impl<'a> Player<'a> {
+    pub fn new(client: Client, args: &'a ReplayArgs, progress: ProgressBar, frames: Frames) -> Self {
+        Self { client, args, progress, played: Played { frames, ..Played::default() } }
     }
 
     /// Plays every line, up to the first that fails.
     pub async fn play(mut self, recording: Recording) -> Result<Played, Failure> {
         for line in recording {
             let Line { number, map, op } = line?;
-            let map = format!("{}{map}", self.map_prefix);
+            let map = format!("{}{map}", self.args.map_prefix);
             let what = describe(&map, &op);
             // Without its map no later line can succeed.
-            let keep_going = self.keep_going && !matches!(op, Op::Map { .. });
+            let keep_going = self.args.keep_going && !matches!(op, Op::Map { .. });
             match self.step(&map, op).await {
                 Ok(()) => {}
                 Err(source) if keep_going && source.problem().is_some() => {
@@ -165,16 +150,13 @@ impl Player {
 
     /// Declares a map; a later line with another body updates the members that it names.
     async fn map(&mut self, map: &str, mut body: Body) -> Result<(), ClientError> {
-        self.overrides.apply(&mut body);
+        self.args.overrides.apply(&mut body);
         let body = Recorded(body);
-        if self.played.maps.contains(map) {
+        if self.played.maps.contains_key(map) {
             return self.client.patch_map(map, &body).await.map(drop);
         }
         let answer = self.client.put_map(map, &body).await?;
-        self.played.maps.insert(map.to_owned());
-        if answer.replayed {
-            self.found.insert(map.to_owned());
-        }
+        self.played.maps.insert(map.to_owned(), answer.replayed);
         Ok(())
     }
 
@@ -192,7 +174,7 @@ impl Player {
     }
 
     async fn keyframe(&mut self, map: &str, id: &str, mut body: Body) -> Result<(), ClientError> {
-        self.overrides.apply_to_keyframe(&mut body);
+        self.args.overrides.apply_to_keyframe(&mut body);
         self.played.frames.saw(map, id, &body);
         let body = Recorded(body);
         let start = Instant::now();
@@ -219,7 +201,7 @@ impl Player {
         labels: Option<Labels>,
     ) -> Result<(), ClientError> {
         body.insert("keyframe".to_owned(), Value::String(keyframe.clone()));
-        if let Some(wait) = self.max_wait_ms {
+        if let Some(wait) = self.args.max_wait_ms {
             body.insert("max_wait_ms".to_owned(), wait.into());
         }
         let body = Recorded(body);
@@ -236,7 +218,8 @@ impl Player {
 
     /// Whether the conflict is with earlier content of the server; otherwise the recording contradicts itself.
     fn is_of_another_replay(&self, map: &str, error: &ClientError) -> bool {
-        is_conflict(error) && (self.found.contains(map) || !self.played.maps.contains(map))
+        let is_conflict = error.problem().is_some_and(|problem| problem.status == CONFLICT);
+        is_conflict && self.played.maps.get(map) != Some(&false)
     }
 
     /// Prints a message on standard error, never on standard output.
@@ -246,10 +229,6 @@ impl Player {
             let _ = writeln!(std::io::stderr(), "{text}");
         });
     }
-}
-
-fn is_conflict(error: &ClientError) -> bool {
-    error.problem().is_some_and(|problem| problem.status == CONFLICT)
 }
 
 fn describe(map: &str, op: &Op) -> String {

@@ -231,12 +231,8 @@ fn malformed(error: &serde_json::Error) -> Fault {
 
 /// Returns the number of operations in these bytes, all parsed; for tools that check a recording, and for fuzzing.
 pub fn count_operations(bytes: impl Read + Send + 'static) -> io::Result<usize> {
-    let mut count = 0;
-    for line in Recording::new(bytes, MAX_LINE_BYTES)? {
-        line.map_err(io::Error::other)?;
-        count += 1;
-    }
-    Ok(count)
+    let mut recording = Recording::new(bytes, MAX_LINE_BYTES)?;
+    recording.try_fold(0, |count, line| line.map(|_| count + 1)).map_err(io::Error::other)
 }
 
 #[cfg(test)]

@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::answered::{Answered, Figures};
+use super::answered::Answered;
 use super::arguments::ReplayArgs;
 use super::frames::TransformErrors;
 use super::latency::Latency;
 use super::play::{Performed, Played};
 use super::score::{Accuracy, BowOnly, accuracy, bow_only};
-use crate::api::verdict::ReasonView;
 use crate::domain::verdict::Decision;
 
 /// The score of a recording.
@@ -45,10 +44,10 @@ pub(super) struct Report {
     /// Of writing keyframes.
     pub keyframe_latency_ms: Latency,
     pub reasons: Reasons,
-    pub false_loops: Vec<QueryLine>,
+    pub false_loops: Vec<Answered>,
     /// Queries with a true loop that were not accepted, with `--explain`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub missed: Option<Vec<QueryLine>>,
+    pub missed: Option<Vec<Answered>>,
     /// Keyframes that the server already had: queries may have found keyframes of their future.
     pub replayed_keyframes: u64,
     /// Lines rejected, with `--keep-going`.
@@ -62,19 +61,6 @@ pub(super) struct Reasons {
     pub queries: BTreeMap<String, u64>,
     /// By the reason of each candidate that was not accepted.
     pub candidates: BTreeMap<String, u64>,
-}
-
-/// One query worth inspecting.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct QueryLine {
-    pub map: String,
-    pub keyframe: String,
-    pub verdict: &'static str,
-    pub reason: Option<ReasonView>,
-    /// The candidate that the answer is about.
-    pub best: Option<Figures>,
-    /// Of the true candidates, the nearest to acceptance.
-    pub nearest_true: Option<Figures>,
 }
 
 impl Report {
@@ -98,8 +84,8 @@ impl Report {
             bow_only: bow_only(&bow_alone),
             transform_errors: played.frames.errors(),
             reasons: Reasons::of(queries),
-            false_loops: lines(queries, Answered::is_false_loop),
-            missed: args.explain.then(|| lines(queries, Answered::is_missed)),
+            false_loops: those(queries, Answered::is_false_loop),
+            missed: args.explain.then(|| those(queries, Answered::is_missed)),
             latency_ms: played.query_times.latency(),
             keyframe_latency_ms: played.keyframe_times.latency(),
             replayed_keyframes: played.replayed_keyframes,
@@ -129,20 +115,6 @@ impl Reasons {
     }
 }
 
-fn lines(queries: &[Answered], of: fn(&Answered) -> bool) -> Vec<QueryLine> {
-    let queries = queries.iter().filter(|query| of(query));
-    queries.map(QueryLine::of).collect()
-}
-
-impl QueryLine {
-    fn of(query: &Answered) -> Self {
-        Self {
-            map: query.map.clone(),
-            keyframe: query.keyframe.clone(),
-            verdict: query.verdict.as_str(),
-            reason: query.reason.clone(),
-            best: query.leading.clone(),
-            nearest_true: query.nearest_true.clone(),
-        }
-    }
+fn those(queries: &[Answered], of: fn(&Answered) -> bool) -> Vec<Answered> {
+    queries.iter().filter(|query| of(query)).cloned().collect()
 }

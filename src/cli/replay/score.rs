@@ -90,7 +90,7 @@ pub(in crate::cli) fn bow_only(marked: &[Marked]) -> BowOnly {
 }
 
 /// Returns every distinct threshold, the scores themselves, in descending order.
-fn thresholds(marked: &[Marked], with_truth: u64) -> Vec<AtThreshold> {
+pub(in crate::cli) fn thresholds(marked: &[Marked], with_truth: u64) -> Vec<AtThreshold> {
     let mut best: Vec<Best> = marked.iter().filter_map(|query| query.best).collect();
     best.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut correct = 0;

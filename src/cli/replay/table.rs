@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
 
-use super::answered::Figures;
+use super::answered::{Answered, Figures};
 use super::latency::Latency;
-use super::report::{QueryLine, Reasons, Report};
+use super::report::{Reasons, Report};
 use super::score::{Accuracy, BowOnly};
 use crate::api::verdict::ReasonView;
 
@@ -90,8 +90,7 @@ fn write_verdicts(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
             errors.compared, t.median, r.median, t.p90, r.p90
         )?;
     }
-    let (queries, keyframes) = (report.latency_ms, report.keyframe_latency_ms);
-    let (queries, keyframes) = (latency(queries), latency(keyframes));
+    let (queries, keyframes) = (latency(report.latency_ms), latency(report.keyframe_latency_ms));
     writeln!(f, "latency   query {queries}; keyframe write {keyframes}")
 }
 
@@ -117,7 +116,7 @@ fn write_false_loops(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     }
     writeln!(f, "\nfalse loops: {}", report.false_loops.len())?;
     for line in &report.false_loops {
-        let best = line.best.as_ref().map_or("nothing".to_owned(), figures);
+        let best = line.leading.as_ref().map_or("nothing".to_owned(), figures);
         writeln!(f, "  {} -> {best}", name(report, line))?;
     }
     Ok(())
@@ -130,16 +129,16 @@ fn write_missed(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     writeln!(f, "\nwith a true loop, not accepted: {}", missed.len())?;
     for line in missed {
         let why = line.reason.as_ref().map_or("no reason given".to_owned(), sentence);
-        let nearest = line.best.as_ref().map_or("no candidate".to_owned(), figures);
-        write!(f, "  {}  {}  {why}; {nearest}", name(report, line), line.verdict)?;
+        let nearest = line.leading.as_ref().map_or("no candidate".to_owned(), figures);
+        write!(f, "  {}  {}  {why}; {nearest}", name(report, line), line.verdict.as_str())?;
         writeln!(f, "{}", true_candidate(line))?;
     }
     Ok(())
 }
 
 /// Returns the reason that stopped the true candidate, if that is not the one just shown.
-fn true_candidate(line: &QueryLine) -> String {
-    match (&line.best, &line.nearest_true) {
+fn true_candidate(line: &Answered) -> String {
+    match (&line.leading, &line.nearest_true) {
         (None, None) => String::new(),
         (_, None) => "; no true candidate".to_owned(),
         (Some(best), Some(right)) if best.keyframe == right.keyframe => " (true)".to_owned(),
@@ -151,17 +150,14 @@ fn true_candidate(line: &QueryLine) -> String {
 }
 
 /// Returns a keyframe's id, with its map where there are several.
-fn name(report: &Report, line: &QueryLine) -> String {
+fn name(report: &Report, line: &Answered) -> String {
     if report.maps > 1 { format!("{}/{}", line.map, line.keyframe) } else { line.keyframe.clone() }
 }
 
 fn figures(candidate: &Figures) -> String {
     let similarity = share(candidate.similarity);
     let (keyframe, bow_score) = (&candidate.keyframe, candidate.bow_score);
-    let inliers = match candidate.inliers {
-        Some(inliers) => format!(" inliers {inliers}"),
-        None => String::new(),
-    };
+    let inliers = candidate.inliers.map_or_else(String::new, |inliers| format!(" inliers {inliers}"));
     format!("{keyframe} S {similarity} BoW {bow_score:.3}{inliers}")
 }
 

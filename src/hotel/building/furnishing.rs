@@ -25,13 +25,6 @@ pub struct WorldPoint {
     pub angle_deg: f64,
 }
 
-/// A piece of furniture: a box in the frame of a door.
-#[derive(Clone, Copy, Debug)]
-struct Furniture {
-    min: [f64; 3],
-    max: [f64; 3],
-}
-
 /// Points on each wall of a room.
 const POINTS_PER_WALL: usize = 700;
 /// Points on each piece of furniture.
@@ -79,18 +72,19 @@ impl Model {
             }
             room.push(model_point([u, 0.0, z], [0.0, 1.0, 0.0], patterns, rng));
         }
+        // Boxes in the frame of the door, between two corners each.
         let pieces = [
             // A bed along the right wall, a desk along the left one, a wardrobe behind the door, a chair, a television.
-            Furniture { min: [right - 1.5, depth - 2.4, 0.0], max: [right, depth - 0.4, 0.55] },
-            Furniture { min: [left, depth - 1.9, 0.0], max: [left + 0.6, depth - 0.6, 0.78] },
-            Furniture { min: [right - 0.6, 0.1, 0.0], max: [right, 1.2, 2.0] },
-            Furniture { min: [left + 0.7, depth - 1.5, 0.0], max: [left + 1.15, depth - 1.05, 0.95] },
-            Furniture { min: [left, 1.4, 1.0], max: [left + 0.12, 2.3, 1.55] },
+            [[right - 1.5, depth - 2.4, 0.0], [right, depth - 0.4, 0.55]],
+            [[left, depth - 1.9, 0.0], [left + 0.6, depth - 0.6, 0.78]],
+            [[right - 0.6, 0.1, 0.0], [right, 1.2, 2.0]],
+            [[left + 0.7, depth - 1.5, 0.0], [left + 1.15, depth - 1.05, 0.95]],
+            [[left, 1.4, 1.0], [left + 0.12, 2.3, 1.55]],
         ];
         let shift = rng.within(-0.15, 0.15);
         for piece in pieces {
             for _ in 0..POINTS_PER_PIECE {
-                room.push(on_furniture(&piece, shift, patterns, rng));
+                room.push(on_furniture(piece, shift, patterns, rng));
             }
         }
         let frame = (0..POINTS_PER_DOOR_FRAME).map(|number| {
@@ -175,21 +169,27 @@ impl Model {
     }
 }
 
-fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, rng: &mut SeededRng) -> WorldPoint {
-    let mut position: [f64; 3] = std::array::from_fn(|axis| rng.within(piece.min[axis], piece.max[axis]));
+/// Draws a point on a piece of furniture, a box between two corners.
+fn on_furniture(
+    [min, max]: [[f64; 3]; 2],
+    shift: f64,
+    patterns: &Patterns,
+    rng: &mut SeededRng,
+) -> WorldPoint {
+    let mut position: [f64; 3] = std::array::from_fn(|axis| rng.within(min[axis], max[axis]));
     // On a side visible from the door, or on top.
     let normal = match rng.below(3) {
         0 => {
-            position[1] = piece.min[1];
+            position[1] = min[1];
             [0.0, -1.0, 0.0]
         }
         1 => {
-            let from_left = piece.max[0] > 1.0;
-            position[0] = if from_left { piece.min[0] } else { piece.max[0] };
+            let from_left = max[0] > 1.0;
+            position[0] = if from_left { min[0] } else { max[0] };
             [if from_left { -1.0 } else { 1.0 }, 0.0, 0.0]
         }
         _ => {
-            position[2] = piece.max[2];
+            position[2] = max[2];
             [0.0, 0.0, 1.0]
         }
     };

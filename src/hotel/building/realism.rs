@@ -7,6 +7,7 @@ use crate::geometry::Point3;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::hotel::robot::message::descriptor_bytes;
 use crate::hotel::route::{Place, heading_difference_rad};
+use crate::hotel::scoring::score;
 use crate::hotel::scoring::truth::{is_same_place, shared_points};
 use crate::hotel::sensing::camera::CAMERA;
 use crate::hotel::sequence::{Sequence, Step};
@@ -131,9 +132,7 @@ impl Matchable {
 }
 
 fn median(figures: impl Iterator<Item = f64>) -> f64 {
-    let mut figures: Vec<f64> = figures.collect();
-    figures.sort_by(f64::total_cmp);
-    figures.get(figures.len() / 2).copied().unwrap_or(f64::NAN)
+    score::median(figures.collect()).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

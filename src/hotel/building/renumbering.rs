@@ -84,7 +84,7 @@ pub fn by_round(driven: &RunResult, journey: &Sequence, first: &World, eras: &[E
     let is_new = |text: &str, round: usize| world_of(first, eras, round).renumbered.contains(text);
     let shows_new_plates_alone = |keyframe: usize, round: usize| {
         let plates: BTreeSet<&str> = (journey.steps[keyframe].detections.iter())
-            .filter(|detection| detection.class == SignKind::DoorPlate.class())
+            .filter(|detection| detection.class == SignKind::DoorPlate.as_str())
             .map(|detection| detection.text.as_str())
             .collect();
         !plates.is_empty() && plates.iter().all(|text| is_new(text, round))
@@ -126,7 +126,7 @@ impl Signs {
         let has = |world: &World, text: &str| world.signs.iter().any(|sign| sign.text == text);
         let mut counted = Self::default();
         for (state, class, text) in anchors {
-            let is_plate = class == SignKind::DoorPlate.class();
+            let is_plate = class == SignKind::DoorPlate.as_str();
             let hangs = !is_plate || has(last, text);
             let hung =
                 [first].into_iter().chain(eras.iter().map(|era| &era.world)).any(|world| has(world, text));

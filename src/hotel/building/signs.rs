@@ -4,31 +4,23 @@ use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan, Spot};
 use super::furnishing::WorldPoint;
 use super::texture::{Descriptor, Patterns, copy};
 use crate::hotel::rng::SeededRng;
+use crate::named::named;
 
-/// The kind of a sign, which is the class of its detections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum SignKind {
-    /// A door number beside its door.
-    DoorPlate,
-    /// A painting on the corridor's wall.
-    Painting,
-    /// An exit sign.
-    ExitSign,
-    /// The floor's number, the same on the whole floor.
-    FloorSign,
+named! {
+    /// The kind of a sign, by the class of its detections.
+    SignKind {
+        /// A door number beside its door.
+        DoorPlate = "door_number",
+        /// A painting on the corridor's wall.
+        Painting = "painting",
+        /// An exit sign.
+        ExitSign = "exit_sign",
+        /// The floor's number, the same on the whole floor.
+        FloorSign = "floor_sign",
+    }
 }
 
 impl SignKind {
-    /// Returns the class name of a detector.
-    pub fn class(self) -> &'static str {
-        match self {
-            Self::DoorPlate => "door_number",
-            Self::Painting => "painting",
-            Self::ExitSign => "exit_sign",
-            Self::FloorSign => "floor_sign",
-        }
-    }
-
     /// Returns the range of a detector, in metres.
     pub fn detected_within_m(self) -> f64 {
         match self {

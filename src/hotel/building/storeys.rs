@@ -9,7 +9,7 @@ use super::texture::Patterns;
 use super::world::{World, WorldPlan};
 
 /// The number of floors.
-pub const STOREYS: usize = 3;
+const STOREYS: usize = 3;
 /// The number of different prints on the walls of a floor.
 const PRINTS: usize = 6;
 

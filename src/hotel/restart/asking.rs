@@ -9,7 +9,7 @@ use crate::hotel::robot::client::{DriveError, Robot};
 use crate::hotel::robot::message;
 use crate::hotel::run::session;
 use crate::hotel::sensing::camera::CAMERA;
-use crate::hotel::sequence::Step;
+use crate::hotel::sequence::{Step, by_odometry};
 
 /// Returns the map of a floor.
 pub fn map_of(seed: u64, storey: usize) -> String {
@@ -42,21 +42,14 @@ pub async fn ask(client: &Client, seed: u64, restart: &Restart) -> Result<Locate
 
 /// Returns the keyframes with their poses in the frame of the first one's camera, by odometry.
 fn keyframes(restart: &Restart) -> Vec<UnplacedKeyframeBody> {
-    let mut first_from_camera = Pose::identity();
-    let mut bodies = Vec::new();
-    for (number, step) in restart.steps.iter().enumerate() {
-        if number > 0 {
-            first_from_camera = first_from_camera.after(&step.motion);
-        }
-        bodies.push(keyframe(step, &first_from_camera));
-    }
-    bodies
+    let poses = by_odometry(&restart.steps);
+    restart.steps.iter().zip(&poses).map(|(step, pose)| keyframe(step, pose)).collect()
 }
 
 /// Returns what the camera sees: its depth camera knows where each feature is.
 fn keyframe(step: &Step, first_from_camera: &Pose) -> UnplacedKeyframeBody {
     let every: Vec<(u64, Point3)> = (step.map_points.iter().zip(&step.features))
-        .map(|((id, _), feature)| (*id, first_from_camera.transform(&feature.in_camera)))
+        .map(|(id, feature)| (*id, first_from_camera.transform(&feature.in_camera)))
         .collect();
     UnplacedKeyframeBody {
         pose: Some((*first_from_camera).into()),

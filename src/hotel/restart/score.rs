@@ -10,6 +10,7 @@ use crate::api::location::LocateAnswerView;
 use crate::domain::location::LocationVerdict;
 use crate::hotel::route::Place;
 use crate::hotel::run::session;
+use crate::hotel::scoring::truth::apart_m;
 
 /// In the corridor a place is right within this distance, in metres.
 const SAME_PART_M: f64 = 3.0;
@@ -50,13 +51,6 @@ impl RestartScore {
         }
     }
 
-    /// Adds the counts of another world.
-    pub fn join(&mut self, other: &Self) {
-        self.mapped.join(other.mapped);
-        self.two_plates.join(other.two_plates);
-        self.unmapped.join(other.unmapped);
-    }
-
     /// Returns the table.
     pub fn table(&self) -> String {
         let mut text = String::from(
@@ -88,31 +82,18 @@ impl RestartCounts {
         self.located += 1;
         let Some(place) = answer.places.first() else { return };
         // The keyframe that stands for the place shows what one of those that ask saw, not always the first.
-        let stop = &restart.steps[place.asked.unwrap_or(0) as usize].stop;
-        if place.map != map_of(seed, stop.storey) {
+        let step = &restart.steps[place.asked.unwrap_or(0) as usize];
+        let (seen, storey) = (step.stop.place, step.stop.storey);
+        if place.map != map_of(seed, storey) {
             return;
         }
         self.right_floor += 1;
         let named = place.keyframe.as_deref();
         let number = named.and_then(|id| id.strip_prefix(&format!("{}-", session(0)))?.parse::<usize>().ok());
-        let shown = number.and_then(|number| world.journeys[stop.storey].steps.get(number));
+        let shown = number.and_then(|number| world.journeys[storey].steps.get(number));
         self.right_room += usize::from(shown.is_some_and(|shown| {
-            let (a, b) = (shown.stop.stand.at, stop.stand.at);
-            let apart_m = (a[0] - b[0]).hypot(a[1] - b[1]);
-            is_same_room(shown.stop.place, stop.place) || apart_m <= SAME_PART_M
+            let is_same_room = shown.stop.place == seen && seen != Place::Corridor;
+            is_same_room || apart_m(shown, step) <= SAME_PART_M
         }));
     }
-
-    fn join(&mut self, other: Self) {
-        self.asked += other.asked;
-        self.located += other.located;
-        self.right_floor += other.right_floor;
-        self.right_room += other.right_room;
-        self.ambiguous += other.ambiguous;
-    }
-}
-
-/// Whether two visits are to one room; the corridor is none.
-fn is_same_room(a: Place, b: Place) -> bool {
-    a == b && a != Place::Corridor
 }

@@ -6,6 +6,7 @@ use crate::hotel::building::texture::Patterns;
 use crate::hotel::rng::SeededRng;
 use crate::hotel::route::{Stop, heading_difference_rad, some_rooms, tour};
 use crate::hotel::scenario::Scenario;
+use crate::hotel::scoring::truth::apart_m;
 use crate::hotel::sensing::noise::NoiseKind;
 use crate::hotel::sequence::{Sequence, Step};
 
@@ -47,7 +48,7 @@ impl RestartWorld {
     /// own.
     pub fn new(seed: u64, keyframes: u16, patterns: &Patterns) -> Self {
         let scenario = Scenario::random(seed, NoiseKind::SecondHotel, patterns);
-        let floors: Vec<_> = std::iter::once(&scenario.world).chain(&scenario.upper).collect();
+        let floors = &scenario.floors;
         let journeys: Vec<Sequence> = scenario.course.journeys[..floors.len()].to_vec();
         let mut restarts = Vec::new();
         for (storey, world) in floors.iter().enumerate() {
@@ -79,8 +80,7 @@ impl RestartWorld {
 /// Whether a robot that mapped the floor stood near a restart, in the same room or corridor, and faced the same way.
 fn shows_one_place(mapped: &Step, restart: &Step) -> bool {
     let (a, b) = (&mapped.stop, &restart.stop);
-    let apart_m = (a.stand.at[0] - b.stand.at[0]).hypot(a.stand.at[1] - b.stand.at[1]);
     a.place == b.place
-        && apart_m <= MAPPED_M
+        && apart_m(mapped, restart) <= MAPPED_M
         && heading_difference_rad(a.stand.heading_rad, b.stand.heading_rad) <= MAPPED_RAD
 }

@@ -4,13 +4,13 @@
 //! experiment.
 
 use super::message;
-use super::pose_graph::{Edge, PoseGraphError, optimise};
+use super::pose_graph::{Edge, PoseGraphError, Sigma, optimise};
 use super::slam_map::SlamMap;
 use crate::api::loops::LoopBody;
 use crate::api::verdict::LoopAnswer;
 use crate::client::{Client, ClientError};
 use crate::domain::ids::IdError;
-use crate::geometry::{Point3, Pose, Sim3};
+use crate::geometry::{Point3, Sim3};
 use crate::hotel::method::Method;
 use crate::hotel::sensing::camera::Stand;
 use crate::hotel::sequence::Step;
@@ -19,14 +19,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// Keyframes that a robot collects after a closed loop before it optimises again (ORB-SLAM2: 10).
 const CLOSING_EVERY_KEYFRAMES: usize = 10;
 /// Odometry error between two keyframes, as assumed by the pose graph.
-const ODOMETRY_SIGMA_M: f64 = 0.01;
-const ODOMETRY_SIGMA_RAD: f64 = 0.004;
+const ODOMETRY_SIGMA: Sigma = Sigma { m: 0.01, rad: 0.004, log_scale: 0.01 };
 /// Error of a loop's transformation, as assumed by the pose graph.
-const LOOP_SIGMA_M: f64 = 0.02;
-const LOOP_SIGMA_RAD: f64 = 0.006;
-/// The same for the logarithm of a monocular robot's scale.
-const ODOMETRY_SIGMA_LOG_SCALE: f64 = 0.01;
-const LOOP_SIGMA_LOG_SCALE: f64 = 0.01;
+const LOOP_SIGMA: Sigma = Sigma { m: 0.02, rad: 0.006, log_scale: 0.01 };
 /// Poses and points that moved less are not sent again.
 const MOVED_M: f64 = 0.001;
 const MOVED_RAD: f64 = 0.0005;
@@ -55,19 +50,13 @@ pub struct Robot<'a> {
     arm: Method,
     session: String,
     slam_map: SlamMap<'a>,
-    /// Its keyframes' poses and scales, as last sent to the server.
-    told: Vec<(Pose, f64)>,
+    /// The frames of its keyframes, as last sent to the server.
+    told: Vec<Sim3>,
     edges: Vec<Edge>,
-    /// Loops accepted since the last optimisation.
-    waiting: Vec<WaitingLoop>,
+    /// The newest loop accepted since the last optimisation, and its keyframe.
+    waiting: Option<(usize, LoopToClose)>,
     last_closing: usize,
     closed: usize,
-}
-
-#[derive(Debug)]
-struct WaitingLoop {
-    keyframe: String,
-    closed_with: LoopToClose,
 }
 
 /// A loop that a robot closes with its latest keyframe.
@@ -92,7 +81,7 @@ impl<'a> Robot<'a> {
             slam_map: SlamMap::default(),
             told: Vec::new(),
             edges: Vec::new(),
-            waiting: Vec::new(),
+            waiting: None,
             last_closing: 0,
             closed: 0,
         }
@@ -120,25 +109,22 @@ impl<'a> Robot<'a> {
 
     /// Sends the next keyframe with a loop query, and returns the answer.
     pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
-        let similarity = match self.slam_map.latest() {
+        let frame = match self.slam_map.frames().last() {
             Some(last) => last.after(&Sim3::from(step.motion)),
             // Its frame is arbitrary: it does not know its initial pose.
             None => Sim3::from(Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera()),
         };
-        let (pose, scale) = (similarity.without_scale(), similarity.scale());
-        let number = self.slam_map.push(step, &similarity);
+        let number = self.slam_map.push(step, &frame);
         if number > 0 {
             self.edges.push(Edge {
                 from: number - 1,
                 to: number,
                 from_from_to: Sim3::from(step.motion),
-                sigma_m: ODOMETRY_SIGMA_M,
-                sigma_rad: ODOMETRY_SIGMA_RAD,
-                sigma_log_scale: ODOMETRY_SIGMA_LOG_SCALE,
+                sigma: ODOMETRY_SIGMA,
             });
         }
-        self.told.push((pose, scale));
-        let body = message::keyframe(self.arm, &self.session, number, step, &similarity);
+        self.told.push(frame);
+        let body = message::keyframe(self.arm, &self.session, number, step, &frame);
         let id = self.keyframe_id(number);
         let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
         Ok(answer.answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
@@ -146,7 +132,7 @@ impl<'a> Robot<'a> {
 
     /// Accepts a loop of its latest keyframe, if any, and optimises once enough keyframes have followed.
     pub async fn close(&mut self, closed_with: Option<LoopToClose>) -> Result<(), DriveError> {
-        let Some(latest) = self.slam_map.poses().len().checked_sub(1) else { return Ok(()) };
+        let Some(latest) = self.told.len().checked_sub(1) else { return Ok(()) };
         if let Some(closed_with) = closed_with {
             // A loop with another robot's keyframe corrects no pose, because each robot has its own frame.
             if let Some(earlier) = self.number_of(&closed_with.candidate) {
@@ -154,14 +140,12 @@ impl<'a> Robot<'a> {
                     from: earlier,
                     to: latest,
                     from_from_to: self.in_units(earlier, latest, &closed_with.candidate_from_query),
-                    sigma_m: LOOP_SIGMA_M,
-                    sigma_rad: LOOP_SIGMA_RAD,
-                    sigma_log_scale: LOOP_SIGMA_LOG_SCALE,
+                    sigma: LOOP_SIGMA,
                 });
             }
-            self.waiting.push(WaitingLoop { keyframe: self.keyframe_id(latest), closed_with });
+            self.waiting = Some((latest, closed_with));
         }
-        if !self.waiting.is_empty() && latest >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
+        if self.waiting.is_some() && latest >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
             self.close_loops().await?;
         }
         Ok(())
@@ -169,20 +153,20 @@ impl<'a> Robot<'a> {
 
     /// Closes the remaining loops at the end of the run.
     pub async fn finish(&mut self) -> Result<(), DriveError> {
-        if self.waiting.is_empty() { Ok(()) } else { self.close_loops().await }
+        if self.waiting.is_none() { Ok(()) } else { self.close_loops().await }
     }
 
     /// Optimises the pose graph, sends the corrected poses and points, and confirms the loop.
     async fn close_loops(&mut self) -> Result<(), DriveError> {
-        let mut similarities = self.slam_map.similarities();
-        optimise(&mut similarities, &self.edges)?;
-        self.slam_map.correct(&similarities);
-        let poses = self.slam_map.poses();
-        self.last_closing = poses.len() - 1;
+        let mut frames = self.slam_map.frames().to_vec();
+        optimise(&mut frames, &self.edges)?;
+        self.slam_map.correct(frames);
+        self.last_closing = self.told.len() - 1;
         self.closed += 1;
-        let moved: Vec<usize> = (0..poses.len()).filter(|number| self.has_moved(*number)).collect();
+        let moved: Vec<usize> = (0..self.told.len()).filter(|number| self.has_moved(*number)).collect();
         if !moved.is_empty() {
-            let corrected = |number: &usize| Ok((self.keyframe_id(*number).parse()?, poses[*number]));
+            let corrected =
+                |number: &usize| Ok((self.keyframe_id(*number).parse()?, self.slam_map.pose(*number)));
             let keyframes = moved.iter().map(corrected).collect::<Result<Vec<_>, IdError>>();
             let keyframes = keyframes.map_err(ClientError::from)?;
             let points: Vec<(u64, Point3)> = (self.slam_map.points().into_iter())
@@ -197,15 +181,14 @@ impl<'a> Robot<'a> {
                 self.client.post_poses(self.map, &message::poses(&self.session, &[], part)).await?;
             }
             for number in moved {
-                self.told[number] = (self.slam_map.poses()[number], self.slam_map.scales()[number]);
+                self.told[number] = self.slam_map.frames()[number];
             }
         }
         // One loop per closing, the newest: the others are its neighbours.
-        if let Some(closing) = self.waiting.drain(..).next_back() {
+        if let Some((latest, LoopToClose { candidate, answer, .. })) = self.waiting.take() {
             let id = format!("{}-loop-{}", self.session, self.closed);
-            let LoopToClose { candidate, answer, .. } = closing.closed_with;
-            let body =
-                LoopBody::found(&id, &closing.keyframe, &candidate, answer).map_err(ClientError::from)?;
+            let keyframe = self.keyframe_id(latest);
+            let body = LoopBody::found(&id, &keyframe, &candidate, answer).map_err(ClientError::from)?;
             self.client.post_loop(self.map, &body).await?;
         }
         Ok(())
@@ -213,16 +196,17 @@ impl<'a> Robot<'a> {
 
     /// Converts a loop's transformation to the units of the two frames; the server uses units of the map for both.
     fn in_units(&self, candidate: usize, query: usize, candidate_from_query: &Sim3) -> Sim3 {
-        let [in_candidate, in_query] = [candidate, query].map(|number| self.slam_map.scales()[number]);
+        let [in_candidate, in_query] =
+            [candidate, query].map(|number| self.slam_map.frames()[number].scale());
         let length = |scale: f64| Sim3::from_parts(scale, UnitQuaternion::identity(), Vector3::zeros());
         length(in_candidate).inverse().after(candidate_from_query).after(&length(in_query))
     }
 
     fn has_moved(&self, number: usize) -> bool {
-        let (told, told_scale) = &self.told[number];
-        let change = told.inverse().after(&self.slam_map.poses()[number]);
+        let (told, now) = (&self.told[number], &self.slam_map.frames()[number]);
+        let change = told.without_scale().inverse().after(&now.without_scale());
         let [_, _, _, w] = change.rotation_xyzw();
-        let log_scale = (self.slam_map.scales()[number] / told_scale).ln();
+        let log_scale = (now.scale() / told.scale()).ln();
         change.centre().coords.norm() > MOVED_M
             || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
             || log_scale.abs() > MOVED_LOG_SCALE

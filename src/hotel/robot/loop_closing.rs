@@ -10,14 +10,9 @@ use crate::geometry::Sim3;
 use crate::hotel::method::Method;
 use crate::hotel::scoring::truth::KeyframeIndex;
 
-/// One robot's rule for closing loops.
+/// One robot's rule for closing loops: every reported one, or those that three keyframes confirm, as ORB-SLAM3 does.
 #[derive(Clone, Debug)]
-pub enum LoopClosing {
-    /// Closes every reported loop.
-    AsTold,
-    /// Closes loops that three keyframes confirm, as ORB-SLAM3 does.
-    OnceConfirmed(Confirmation),
-}
+pub struct LoopClosing(Option<Confirmation>);
 
 /// A loop that a robot accepts.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +28,7 @@ pub struct Accepted {
 impl LoopClosing {
     /// Returns the rule of an arm's robots.
     pub fn of(arm: Method) -> Self {
-        if arm.confirms() { Self::OnceConfirmed(Confirmation::default()) } else { Self::AsTold }
+        Self(arm.confirms().then(Confirmation::default))
     }
 
     /// Receives the answer for a keyframe, the latest of its robot.
@@ -43,23 +38,19 @@ impl LoopClosing {
         query: KeyframeIndex,
         answer: &LoopAnswer,
     ) -> Option<Accepted> {
-        match self {
-            Self::AsTold => as_told(robots, answer),
-            Self::OnceConfirmed(confirmation) => {
-                let maps: Vec<&SlamMap<'_>> = robots.iter().map(Robot::slam_map).collect();
-                let confirmed = confirmation.hear(&maps, query, &proposals(robots, answer))?;
-                let (robot, number) = confirmed.candidate;
-                Some(Accepted {
-                    candidate: confirmed.candidate,
-                    inliers: confirmed.found as u64,
-                    to_close: Some(LoopToClose {
-                        candidate: robots[robot].keyframe_id(number),
-                        candidate_from_query: Sim3::from(confirmed.candidate_from_query),
-                        answer: confirmed.answer,
-                    }),
-                })
-            }
-        }
+        let Some(confirmation) = &mut self.0 else { return as_told(robots, answer) };
+        let maps: Vec<&SlamMap<'_>> = robots.iter().map(Robot::slam_map).collect();
+        let confirmed = confirmation.hear(&maps, query, &proposals(robots, answer))?;
+        let (robot, number) = confirmed.candidate;
+        Some(Accepted {
+            candidate: confirmed.candidate,
+            inliers: confirmed.found as u64,
+            to_close: Some(LoopToClose {
+                candidate: robots[robot].keyframe_id(number),
+                candidate_from_query: Sim3::from(confirmed.candidate_from_query),
+                answer: confirmed.answer,
+            }),
+        })
     }
 }
 

@@ -24,11 +24,8 @@ pub fn map(arm: Method, description: &str) -> MapBody {
     MapBody {
         description: Some(description.to_owned()),
         metric: Some(!arm.is_monocular()),
-        gravity: None,
-        anchor_classes: None,
-        code_classes: None,
         settings: Some(arm.settings()),
-        base: None,
+        ..MapBody::default()
     }
 }
 
@@ -41,7 +38,7 @@ pub fn keyframe(
     map_from_camera: &Sim3,
 ) -> KeyframeBody {
     let placed: Vec<(u64, Point3)> = (step.placed.iter())
-        .map(|placed| (step.map_points[placed.feature].0, map_from_camera.transform(&placed.in_camera)))
+        .map(|placed| (step.map_points[placed.feature], map_from_camera.transform(&placed.in_camera)))
         .collect();
     let detections = if arm.sees_signs() { detections(step) } else { Vec::new() };
     let stamp_ns = number as u64 * STEP_NS;
@@ -67,7 +64,7 @@ pub fn features(step: &Step) -> FeaturesShape {
         descriptor_bytes: DESCRIPTOR_BYTES,
         descriptors: Base64(descriptor_bytes(step)),
         keypoints: keypoints.collect(),
-        map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
+        map_points: Some(step.map_points.iter().map(|id| *id as i64).collect()),
     }
 }
 
@@ -104,7 +101,7 @@ pub fn detections(step: &Step) -> Vec<DetectionShape> {
         class: seen.class.to_owned(),
         confidence: hundredths(seen.confidence),
         box_px: seen.bounding_box.map(hundredths),
-        map_points: Some(seen.features.iter().map(|feature| step.map_points[*feature].0 as i64).collect()),
+        map_points: Some(seen.features.iter().map(|feature| step.map_points[*feature] as i64).collect()),
         position: None,
         range: None,
         text: Some(seen.text.clone()),

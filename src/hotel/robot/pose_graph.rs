@@ -41,12 +41,19 @@ pub struct Edge {
     pub to: usize,
     /// The pose of `to` in the frame of `from`, in the units of `from`.
     pub from_from_to: Sim3,
-    /// Standard deviation of its translation along each axis, in units of the map: metres where depth is measured.
-    pub sigma_m: f64,
-    /// Standard deviation of its rotation about each axis, in radians.
-    pub sigma_rad: f64,
-    /// Standard deviation of the logarithm of its scale.
-    pub sigma_log_scale: f64,
+    /// Its error.
+    pub sigma: Sigma,
+}
+
+/// The standard deviations of a measured motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sigma {
+    /// Of its translation along each axis, in units of the map: metres where depth is measured.
+    pub m: f64,
+    /// Of its rotation about each axis, in radians.
+    pub rad: f64,
+    /// Of the logarithm of its scale.
+    pub log_scale: f64,
 }
 
 /// The reason why there is no solution.
@@ -78,7 +85,7 @@ pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError
     let anchor = GaussianNoise::<6>::from_scalar_sigma(ANCHOR_SIGMA);
     graph.add_factor(fac![PriorResidual::new(to_factrs(&first)), X(0), anchor]);
     for edge in edges {
-        let noise = GaussianNoise::<6>::from_split_sigma(edge.sigma_rad, edge.sigma_m);
+        let noise = GaussianNoise::<6>::from_split_sigma(edge.sigma.rad, edge.sigma.m);
         let measured = edge.from_from_to;
         let length = Vector3::from(measured.translation_m()) * scales[edge.from];
         let residual =
@@ -115,7 +122,7 @@ fn scales(poses: &[Sim3], edges: &[Edge]) -> Result<Vec<f64>, PoseGraphError> {
         from: edge.from,
         to: edge.to,
         log_ratio: edge.from_from_to.scale().ln(),
-        sigma: edge.sigma_log_scale,
+        sigma: edge.sigma.log_scale,
     };
     let ratios: Vec<Ratio> = edges.iter().map(ratio).collect();
     let log_scales: Vec<f64> = poses.iter().map(|pose| pose.scale().ln()).collect();
@@ -165,9 +172,7 @@ mod tests {
             from,
             to,
             from_from_to,
-            sigma_m: 0.01,
-            sigma_rad: 0.01,
-            sigma_log_scale: 0.01,
+            sigma: Sigma { m: 0.01, rad: 0.01, log_scale: 0.01 },
         };
         let odometry = (1..poses).map(|to| edge(to - 1, to, step(0.505 * longer(to), angle * 1.01)));
         let last = truth[poses - 1];

@@ -13,9 +13,8 @@ pub const COVISIBLE_POINTS: usize = 15;
 #[derive(Clone, Debug, Default)]
 pub struct SlamMap<'a> {
     steps: Vec<&'a Step>,
-    poses: Vec<Pose>,
-    /// The length of each frame's unit in the map; 1 where depth is measured.
-    scales: Vec<f64>,
+    /// `map_from_camera` of each; its scale is the length of the frame's unit in the map, 1 where depth is measured.
+    frames: Vec<Sim3>,
     points: HashMap<u64, MapPoint>,
 }
 
@@ -23,7 +22,8 @@ pub struct SlamMap<'a> {
 /// placed it.
 #[derive(Clone, Debug)]
 struct MapPoint {
-    first: Sight,
+    /// Its feature in the first of its observers.
+    feature: usize,
     reference: Option<Reference>,
     observers: Vec<usize>,
 }
@@ -35,68 +35,38 @@ struct Reference {
     in_camera: Point3,
 }
 
-/// A feature of a keyframe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Sight {
-    keyframe: usize,
-    feature: usize,
-}
-
 impl<'a> SlamMap<'a> {
     /// Adds the next keyframe and returns its number.
     pub fn push(&mut self, step: &'a Step, map_from_camera: &Sim3) -> usize {
         let keyframe = self.steps.len();
-        for (feature, (id, _)) in step.map_points.iter().enumerate() {
-            let first = Sight { keyframe, feature };
-            let point = self.points.entry(*id).or_insert_with(|| MapPoint {
-                first,
-                reference: None,
-                observers: Vec::new(),
-            });
-            point.observers.push(keyframe);
+        for (feature, id) in step.map_points.iter().enumerate() {
+            let new = || MapPoint { feature, reference: None, observers: Vec::new() };
+            self.points.entry(*id).or_insert_with(new).observers.push(keyframe);
         }
         for placed in &step.placed {
-            if let Some(point) = self.points.get_mut(&step.map_points[placed.feature].0) {
+            if let Some(point) = self.points.get_mut(&step.map_points[placed.feature]) {
                 point.reference = Some(Reference { keyframe, in_camera: placed.in_camera });
             }
         }
         self.steps.push(step);
-        self.poses.push(map_from_camera.without_scale());
-        self.scales.push(map_from_camera.scale());
+        self.frames.push(*map_from_camera);
         keyframe
     }
 
-    /// Returns its keyframes' poses, `map_from_camera`.
-    pub fn poses(&self) -> &[Pose] {
-        &self.poses
+    /// Returns `map_from_camera` of its keyframes, each with the length of its frame's unit in the map as its scale.
+    pub fn frames(&self) -> &[Sim3] {
+        &self.frames
     }
 
-    /// Returns the lengths of its frames' units in the map.
-    pub fn scales(&self) -> &[f64] {
-        &self.scales
-    }
-
-    /// Returns a keyframe's pose with its scale, if it exists.
-    pub fn similarity(&self, keyframe: usize) -> Option<Sim3> {
-        let (pose, scale) = (self.poses.get(keyframe)?.isometry(), self.scales.get(keyframe)?);
-        Some(Sim3::from_parts(*scale, pose.rotation, pose.translation.vector))
-    }
-
-    /// Returns the pose and scale of the latest keyframe.
-    pub fn latest(&self) -> Option<Sim3> {
-        self.similarity(self.poses.len().checked_sub(1)?)
-    }
-
-    /// Returns the poses and scales of all keyframes.
-    pub fn similarities(&self) -> Vec<Sim3> {
-        (0..self.poses.len()).filter_map(|keyframe| self.similarity(keyframe)).collect()
+    /// Returns the pose of a keyframe.
+    pub fn pose(&self, keyframe: usize) -> Pose {
+        self.frames[keyframe].without_scale()
     }
 
     /// Corrects its keyframes, and with them the points that they placed.
-    pub fn correct(&mut self, similarities: &[Sim3]) {
-        debug_assert_eq!(similarities.len(), self.poses.len(), "one for each keyframe");
-        self.poses = similarities.iter().map(Sim3::without_scale).collect();
-        self.scales = similarities.iter().map(Sim3::scale).collect();
+    pub fn correct(&mut self, frames: Vec<Sim3>) {
+        debug_assert_eq!(frames.len(), self.frames.len(), "one for each keyframe");
+        self.frames = frames;
     }
 
     /// Returns the features of a keyframe.
@@ -106,7 +76,7 @@ impl<'a> SlamMap<'a> {
 
     /// Returns the map points of a keyframe, one for each feature.
     pub fn point_ids(&self, keyframe: usize) -> impl Iterator<Item = u64> + use<'a> {
-        self.steps[keyframe].map_points.iter().map(|(id, _)| *id)
+        self.steps[keyframe].map_points.iter().copied()
     }
 
     /// Returns the map points that have a position, with the keyframe that placed each, in the order of their numbers.
@@ -122,10 +92,10 @@ impl<'a> SlamMap<'a> {
 
     /// Returns a map point's position in the map's frame, if it has one, with the pose and the feature of its first
     /// observation.
-    pub fn point(&self, id: u64) -> Option<(Point3, &Pose, &'a Feature)> {
+    pub fn point(&self, id: u64) -> Option<(Point3, Pose, &'a Feature)> {
         let point = self.points.get(&id)?;
-        let Sight { keyframe, feature } = point.first;
-        Some((self.place(point.reference?), &self.poses[keyframe], &self.steps[keyframe].features[feature]))
+        let first = point.observers[0];
+        Some((self.place(point.reference?), self.pose(first), &self.steps[first].features[point.feature]))
     }
 
     /// Returns up to `limit` covisible keyframes, those that share most points first, of equals the older.
@@ -142,6 +112,6 @@ impl<'a> SlamMap<'a> {
     }
 
     fn place(&self, Reference { keyframe, in_camera }: Reference) -> Point3 {
-        self.poses[keyframe].transform(&(in_camera * self.scales[keyframe]))
+        self.pose(keyframe).transform(&(in_camera * self.frames[keyframe].scale()))
     }
 }

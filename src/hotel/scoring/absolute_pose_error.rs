@@ -5,7 +5,12 @@
 //! trajectories that `revisit eval hotel` writes.
 
 use crate::geometry::absolute_orientation::{Scale, align};
-use crate::geometry::{Point3, Sim3};
+use crate::geometry::{Point3, Pose, Sim3};
+
+/// Returns the positions of poses.
+pub fn centres(poses: &[Pose]) -> Vec<Point3> {
+    poses.iter().map(Pose::centre).collect()
+}
 
 /// Returns the transformation `truth_from_estimate` that aligns the estimate with the truth; none if the points leave
 /// it undetermined.

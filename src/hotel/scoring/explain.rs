@@ -8,20 +8,13 @@ use crate::hotel::route::Place;
 use crate::hotel::run::AnsweredQuery;
 use crate::hotel::scenario::Scenario;
 
-/// Describes the answers at keyframes of one course.
-#[derive(Clone, Copy, Debug)]
-pub struct Narrator<'a> {
-    /// The floors, for the rooms' numbers, and the journeys through them.
-    pub scenario: &'a Scenario,
-}
-
-impl Narrator<'_> {
+impl Scenario {
     /// Returns where a keyframe was taken, in truth.
     pub fn place(&self, (robot, number): (usize, usize)) -> String {
-        let floor = self.scenario.floor_of(robot);
-        match self.scenario.course.journeys[robot].steps[number].stop.place {
+        let floor = self.floor_of(robot);
+        match self.course.journeys[robot].steps[number].stop.place {
             Place::Room(room) => format!("room {}", floor.numbers[room]),
-            Place::Corridor if self.scenario.upper.is_empty() => String::from("the corridor"),
+            Place::Corridor if self.floors.len() == 1 => String::from("the corridor"),
             Place::Corridor => format!("the corridor of room {}", floor.numbers[0]),
         }
     }

@@ -5,13 +5,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::absolute_pose_error::{alignment, rmse_after_alignment};
+use super::absolute_pose_error::{alignment, centres, rmse_after_alignment};
+use super::score::median;
 use crate::api::frames::FramesView;
 use crate::geometry::absolute_orientation::Scale;
-use crate::geometry::{Point3, Pose, Sim3};
+use crate::geometry::{Point3, Sim3};
 use crate::hotel::robot::message;
 use crate::hotel::run::{Course, RunResult, session};
-use crate::hotel::sequence::Sequence;
 
 /// The robots of one world in one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -34,62 +34,45 @@ pub struct FleetResult {
 }
 
 /// A robot in the server's frame.
-struct Framed<'c> {
-    robot: usize,
+struct Framed {
     reference_from_session: Sim3,
     estimated: Vec<Point3>,
-    journey: &'c Sequence,
+    truth: Vec<Point3>,
 }
 
 impl FleetResult {
     /// Compares the frames at the end of a run with the truth.
     pub fn of(frames: &FramesView, course: &Course, driven: &RunResult) -> Self {
-        let framed: Vec<Framed<'_>> = (0..course.journeys.len())
-            .filter_map(|robot| {
-                let frame = frames.frames.iter().find(|frame| frame.session == session(robot))?;
-                let transform = frame.reference_from_session.as_ref()?;
-                Some(Framed {
-                    robot,
-                    reference_from_session: message::rigid(transform)?,
-                    estimated: driven.poses[robot].iter().map(Pose::centre).collect(),
-                    journey: &course.journeys[robot],
-                })
+        let journeys = &course.journeys;
+        let framed = |robot: usize| {
+            let frame = frames.frames.iter().find(|frame| frame.session == session(robot))?;
+            Some(Framed {
+                reference_from_session: message::rigid(frame.reference_from_session.as_ref()?)?,
+                estimated: centres(&driven.poses[robot]),
+                truth: centres(&journeys[robot].true_poses()),
             })
-            .collect();
+        };
+        let framed: Vec<Option<Framed>> = (0..journeys.len()).map(framed).collect();
         let mut result = Self { suspects: (frames.suspects.len(), frames.loops), ..Self::default() };
-        for (number, a) in framed.iter().enumerate() {
-            for b in &framed[number + 1..] {
-                if storey(a.journey) == storey(b.journey) {
-                    result.pairs.extend(pair_error(a, b));
-                } else {
-                    result.wrongly_joined += 1;
+        for a in 0..journeys.len() {
+            for b in a + 1..journeys.len() {
+                let same_floor = journeys[a].storey() == journeys[b].storey();
+                match (&framed[a], &framed[b]) {
+                    (Some(a), Some(b)) if same_floor => result.pairs.extend(pair_error(a, b)),
+                    (Some(_), Some(_)) => result.wrongly_joined += 1,
+                    _ => result.apart += usize::from(same_floor),
                 }
             }
         }
-        let joined: Vec<usize> = framed.iter().map(|of| of.robot).collect();
-        for a in 0..course.journeys.len() {
-            for b in a + 1..course.journeys.len() {
-                let same_floor = storey(&course.journeys[a]) == storey(&course.journeys[b]);
-                let are_joined = joined.contains(&a) && joined.contains(&b);
-                result.apart += usize::from(same_floor && !are_joined);
-            }
-        }
-        (result.separate_m, result.joined_m, result.alone_m) = position_errors(&framed);
+        let joined: Vec<Framed> = framed.into_iter().flatten().collect();
+        (result.separate_m, result.joined_m, result.alone_m) = position_errors(&joined);
         result
     }
 }
 
-fn storey(journey: &Sequence) -> usize {
-    journey.steps.first().map_or(0, |step| step.stop.storey)
-}
-
-fn truth(journey: &Sequence) -> Vec<Point3> {
-    journey.steps.iter().map(|step| step.stop.stand.map_from_camera().centre()).collect()
-}
-
 /// Returns how far the frames are off between two robots, in metres and degrees; none if a tour is too straight to tell.
-fn pair_error(a: &Framed<'_>, b: &Framed<'_>) -> Option<(f64, f64)> {
-    let world_from = |of: &Framed<'_>| alignment(&of.estimated, &truth(of.journey), Scale::Fixed);
+fn pair_error(a: &Framed, b: &Framed) -> Option<(f64, f64)> {
+    let world_from = |of: &Framed| alignment(&of.estimated, &of.truth, Scale::Fixed);
     let true_a_from_b = world_from(a)?.inverse().after(&world_from(b)?);
     let a_from_b = a.reference_from_session.inverse().after(&b.reference_from_session);
     let middle =
@@ -100,15 +83,15 @@ fn pair_error(a: &Framed<'_>, b: &Framed<'_>) -> Option<(f64, f64)> {
 }
 
 /// Returns the position errors of robots after one alignment, each in its own frame and all in the server's; and after one each.
-fn position_errors(framed: &[Framed<'_>]) -> (f64, f64, f64) {
-    let truths: Vec<Point3> = framed.iter().flat_map(|of| truth(of.journey)).collect();
-    let of_all = |place: fn(&Framed<'_>, &Point3) -> Point3| {
+fn position_errors(framed: &[Framed]) -> (f64, f64, f64) {
+    let truths: Vec<Point3> = framed.iter().flat_map(|of| of.truth.iter().copied()).collect();
+    let of_all = |place: fn(&Framed, &Point3) -> Point3| {
         let estimated: Vec<Point3> =
             framed.iter().flat_map(|of| of.estimated.iter().map(move |at| place(of, at))).collect();
         rmse_after_alignment(&estimated, &truths, Scale::Fixed).unwrap_or(f64::NAN)
     };
     let alone = framed.iter().map(|of| {
-        let rmse = rmse_after_alignment(&of.estimated, &truth(of.journey), Scale::Fixed).unwrap_or(f64::NAN);
+        let rmse = rmse_after_alignment(&of.estimated, &of.truth, Scale::Fixed).unwrap_or(f64::NAN);
         rmse * rmse * of.estimated.len() as f64
     });
     let alone_m = (alone.sum::<f64>() / truths.len() as f64).sqrt();
@@ -121,17 +104,10 @@ pub fn table<'r>(results: impl Iterator<Item = &'r FleetResult>) -> String {
     if results.is_empty() {
         return String::new();
     }
-    let mut off_m: Vec<f64> =
-        results.iter().flat_map(|of| of.pairs.iter().map(|(off_m, _)| *off_m)).collect();
-    let mut off_deg: Vec<f64> = results.iter().flat_map(|of| of.pairs.iter().map(|(_, deg)| *deg)).collect();
-    off_m.sort_by(f64::total_cmp);
-    off_deg.sort_by(f64::total_cmp);
-    let at = |sorted: &[f64], share: f64| {
-        sorted
-            .get(((sorted.len() as f64 * share) as usize).min(sorted.len().saturating_sub(1)))
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
+    let pairs = || results.iter().flat_map(|of| &of.pairs);
+    let off_m: Vec<f64> = pairs().map(|(off_m, _)| *off_m).collect();
+    let off_deg: Vec<f64> = pairs().map(|(_, off_deg)| *off_deg).collect();
+    let worst = |figures: &[f64]| figures.iter().copied().fold(f64::NAN, f64::max);
     let sum = |of: fn(&FleetResult) -> usize| results.iter().map(|result| of(result)).sum::<usize>();
     let with_pairs = || results.iter().filter(|of| !of.pairs.is_empty());
     let mean = |of: fn(&FleetResult) -> f64| {
@@ -145,10 +121,10 @@ pub fn table<'r>(results: impl Iterator<Item = &'r FleetResult>) -> String {
         off_m.len(),
         sum(|of| of.apart),
         sum(|of| of.wrongly_joined),
-        at(&off_m, 0.5),
-        at(&off_deg, 0.5),
-        at(&off_m, 1.0),
-        at(&off_deg, 1.0),
+        median(off_m.clone()).unwrap_or(f64::NAN),
+        median(off_deg.clone()).unwrap_or(f64::NAN),
+        worst(&off_m),
+        worst(&off_deg),
         sum(|of| of.suspects.0),
         sum(|of| of.suspects.1),
         mean(|of| of.separate_m),

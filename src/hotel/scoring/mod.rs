@@ -1,7 +1,6 @@
 //! Scoring: truth, precision and recall, pose errors, and the tables of the paper.
 
 pub mod absolute_pose_error;
-pub mod curve;
 pub mod explain;
 pub mod fleet;
 pub mod paper;

@@ -34,6 +34,9 @@ pub const SEQUENCES: [PrintedSequence; 12] = [
     printed("SE2", 5, 0.141, 9.676, 0.361),
 ];
 
+/// The sequence of Figure 6.
+pub const FIGURE_6: PrintedSequence = SEQUENCES[6];
+
 const fn printed(
     dataset: &'static str,
     number: usize,

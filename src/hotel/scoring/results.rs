@@ -1,13 +1,14 @@
 //! Results: an experiment's figures, for tables and as JSON.
 
-use crate::api::verdict::CandidateView;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::explain::keyframe_id;
 use super::fleet::FleetResult;
 use super::paper::PrintedSequence;
-use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
+use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval, median, share};
+use crate::api::verdict::CandidateView;
 use crate::geometry::Pose;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::renumbering::{Round, Signs};
@@ -170,45 +171,39 @@ impl Accuracy {
 
 impl Share {
     fn of(part: u64, whole: u64) -> Self {
-        let share = if whole == 0 { 1.0 } else { part as f64 / whole as f64 };
-        Self { part, whole, share, confidence_interval: confidence_interval(part, whole) }
+        Self { part, whole, share: share(part, whole), confidence_interval: confidence_interval(part, whole) }
     }
 }
 
 impl Confusion {
     /// Returns the results of a run.
     pub fn of(driven: &RunResult) -> Self {
-        let figures = |outcome: Outcome, of: fn(&CandidateView) -> f64| -> Vec<f64> {
+        let typical = |outcome: Outcome, of: fn(&CandidateView) -> f64| {
             let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
             // A loop confirmed by later keyframes need not be among the last one's candidates.
-            let accepted = |asked: &AnsweredQuery| Some(super::explain::keyframe_id(asked.accepted?));
-            answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
+            let accepted = |asked: &AnsweredQuery| Some(keyframe_id(asked.accepted?));
+            let figures = answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of));
+            median(figures.collect()).unwrap_or(0.0)
         };
         let inliers: fn(&CandidateView) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
         Self {
             wrong: driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong).count(),
-            score_of_wrong: median(figures(Outcome::Wrong, CandidateView::bow_score)),
-            inliers_of_wrong: median(figures(Outcome::Wrong, inliers)),
-            score_of_right: median(figures(Outcome::Right, CandidateView::bow_score)),
-            inliers_of_right: median(figures(Outcome::Right, inliers)),
+            score_of_wrong: typical(Outcome::Wrong, CandidateView::bow_score),
+            inliers_of_wrong: typical(Outcome::Wrong, inliers),
+            score_of_right: typical(Outcome::Right, CandidateView::bow_score),
+            inliers_of_right: typical(Outcome::Right, inliers),
         }
     }
-}
-
-fn median(mut figures: Vec<f64>) -> f64 {
-    figures.sort_by(f64::total_cmp);
-    figures.get(figures.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl ArmResult {
     /// Computes the confusion in a run.
     pub fn of(driven: &RunResult) -> Self {
         let scored = driven.scored();
-        let with = |outcome: Outcome| -> Vec<String> {
-            let those = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
-            those.map(|asked| super::explain::keyframe_id(asked.keyframe)).collect()
-        };
-        let wrong = || driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong);
+        let with =
+            |outcome: Outcome| driven.asked.iter().filter(move |asked| asked.scored.outcome == outcome);
+        let ids = |outcome: Outcome| with(outcome).map(|asked| keyframe_id(asked.keyframe)).collect();
+        let is_near = |asked: &&AnsweredQuery| asked.apart_m.is_some_and(|apart_m| apart_m < NEAR_M);
         let mut lost_by = BTreeMap::new();
         for code in driven.asked.iter().filter_map(|asked| asked.lost_by.clone()) {
             *lost_by.entry(code).or_default() += 1;
@@ -220,9 +215,9 @@ impl ArmResult {
             absolute_pose_error_m: driven.absolute_pose_error_m,
             scale_error: driven.scale_error,
             optimised: driven.closed,
-            wrong: with(Outcome::Wrong),
-            wrong_near: wrong().filter(|asked| asked.apart_m.is_some_and(|apart_m| apart_m < NEAR_M)).count(),
-            missed: with(Outcome::Missed),
+            wrong: ids(Outcome::Wrong),
+            wrong_near: with(Outcome::Wrong).filter(is_near).count(),
+            missed: ids(Outcome::Missed),
             lost_by,
         }
     }

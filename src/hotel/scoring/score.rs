@@ -125,7 +125,14 @@ pub fn confidence_interval(part: u64, whole: u64) -> (f64, f64) {
     (((middle - spread) / scale).max(0.0), ((middle + spread) / scale).min(1.0))
 }
 
-fn share(part: u64, whole: u64) -> f64 {
+/// Returns the median of some figures, of an even number the upper one.
+pub fn median(mut figures: Vec<f64>) -> Option<f64> {
+    figures.sort_by(f64::total_cmp);
+    figures.get(figures.len() / 2).copied()
+}
+
+/// Returns a share; 1 of nothing.
+pub(super) fn share(part: u64, whole: u64) -> f64 {
     if whole == 0 { 1.0 } else { part as f64 / whole as f64 }
 }
 

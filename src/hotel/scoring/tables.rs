@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use super::paper::ORB_SLAM3_PRECISION;
+use super::paper::{ORB_SLAM3_PRECISION, PrintedSequence};
 use super::results::{Accuracy, ArmResult, Confusion, NEAR_M, SequenceResult, Share, WorldResult, pooled};
 use super::score::Counts;
 use crate::hotel::building::renumbering::{Round, Signs};
@@ -42,7 +42,7 @@ pub fn table_2(results: &[SequenceResult]) -> String {
 fn accuracies(arm: Method, counts: &[Counts; 2]) -> String {
     let [query, visit] = counts.each_ref().map(Accuracy::of);
     let shares = [query.precision, query.recall, visit.precision, visit.recall];
-    format!("{:14}  {}", arm.title(), shares.each_ref().map(interval).join("  "))
+    format!("{:14}  {}", arm.words(), shares.each_ref().map(interval).join("  "))
 }
 
 /// Returns the caveats of Table II.
@@ -60,7 +60,7 @@ pub fn caveats(results: &[SequenceResult]) -> String {
         let _ = writeln!(
             text,
             "  {:14} {wrong:>5} wrong loops, {near} of them less than {NEAR_M} m from the place that was named",
-            arm.title()
+            arm.words()
         );
     }
     text
@@ -99,18 +99,12 @@ pub fn table_3(results: &[SequenceResult]) -> String {
     );
     for result in results {
         let of = |arm: Method| arm_of(&result.arms, arm).map_or(f64::NAN, |arm| arm.absolute_pose_error_m);
-        let printed = &result.printed;
+        let [ours, paper, bow] = [Method::Ours, Method::Paper, Method::BagOfWords].map(of);
+        let SequenceResult { sequence, odometry_m: odometry, printed, .. } = result;
+        let PrintedSequence { ours_m, orb_slam3_m, orb_vo_m, .. } = printed;
         let _ = writeln!(
             text,
-            "{:8} {:7.3} {:8.3} {:9.3} {:9.3} {:9.3} {:10.3} {:7.3}",
-            result.sequence,
-            of(Method::Ours),
-            of(Method::Paper),
-            of(Method::BagOfWords),
-            result.odometry_m,
-            printed.ours_m,
-            printed.orb_slam3_m,
-            printed.orb_vo_m,
+            "{sequence:8} {ours:7.3} {paper:8.3} {bow:9.3} {odometry:9.3} {ours_m:9.3} {orb_slam3_m:10.3} {orb_vo_m:7.3}"
         );
     }
     let mean =
@@ -142,7 +136,7 @@ pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     for kind in NoiseKind::ALL {
         let of_kind: Vec<&WorldResult> = results.iter().filter(|result| result.noise == kind).collect();
         for arm in arms.iter().filter(|_| !of_kind.is_empty()) {
-            row(kind.title(), *arm, pooled(of_kind.iter().map(|result| result.arms.as_slice()), *arm));
+            row(kind.words(), *arm, pooled(of_kind.iter().map(|result| result.arms.as_slice()), *arm));
         }
     }
     let kinds: BTreeSet<NoiseKind> = pooled_worlds(results).map(|result| result.noise).collect();
@@ -240,7 +234,7 @@ pub fn failures(results: &[WorldResult], held_out: bool) -> String {
     let failed = || results.iter().filter(|result| wrong_in(result) > 0);
     let mut text = format!("ours was wrong in {} of {} worlds\n", failed().count(), results.len());
     for result in failed().filter(|_| !held_out) {
-        let (seed, noise) = (result.seed, result.noise.name());
+        let (seed, noise) = (result.seed, result.noise.as_str());
         let option = if result.noise == NoiseKind::SecondHotel { "hotel" } else { "noise" };
         let _ = writeln!(
             text,

@@ -1,6 +1,6 @@
 //! Truth: which earlier keyframes show the same place. It comes from the simulator alone, and no server receives it.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use crate::hotel::robot::slam_map::COVISIBLE_POINTS;
 use crate::hotel::route::heading_difference_rad;
@@ -23,17 +23,16 @@ pub type KeyframeIndex = (usize, usize);
 #[derive(Clone, Debug, Default)]
 pub struct Answerable {
     /// The keyframes at the same place.
-    pub truth: HashSet<KeyframeIndex>,
+    pub truth: BTreeSet<KeyframeIndex>,
     /// The keyframes that are neither correct nor wrong.
-    pub ignore: HashSet<KeyframeIndex>,
+    pub ignore: BTreeSet<KeyframeIndex>,
 }
 
 /// Returns the truth of each keyframe, in temporal order.
 pub fn answers(journeys: &[Sequence], order: &[KeyframeIndex]) -> Vec<Answerable> {
     let step = |(robot, number): KeyframeIndex| &journeys[robot].steps[number];
     let points: Vec<Vec<(usize, u32)>> = order.iter().map(|at| points(step(*at))).collect();
-    let ids: Vec<Vec<u64>> =
-        order.iter().map(|at| sorted(step(*at).map_points.iter().map(|(id, _)| *id))).collect();
+    let ids: Vec<Vec<u64>> = order.iter().map(|at| sorted(step(*at).map_points.iter().copied())).collect();
     (order.iter().enumerate())
         .map(|(number, at)| {
             let mut answerable = Answerable::default();

@@ -14,8 +14,10 @@ use std::collections::HashMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::triangulation::{Sight, triangulate};
+use super::triangulation::triangulate;
+use crate::domain::keyframe::Keypoint;
 use crate::geometry::{Point3, Pose};
+use crate::hotel::scoring::score::median;
 use crate::hotel::sequence::{Placed, Sequence, Step};
 
 /// A point is placed again each time its parallax has grown by this factor, similar to bundle adjustment.
@@ -33,11 +35,11 @@ pub struct ScaleError {
 
 impl ScaleError {
     /// Computes the error of robots on their tours, from the final scales of their keyframes.
-    pub fn of(journeys: &[Sequence], scales: &[&[f64]]) -> Self {
+    pub fn of(journeys: &[Sequence], scales: &[Vec<f64>]) -> Self {
         let variances = |corrects: bool| -> f64 {
-            let of_robot = |(journey, scales): (&Sequence, &&[f64])| {
+            let of_robot = |(journey, scales): (&Sequence, &Vec<f64>)| {
                 let log = |(drift, scale): (&f64, &f64)| drift + if corrects { scale.ln() } else { 0.0 };
-                variance(&journey.scale_drift.iter().zip(*scales).map(log).collect::<Vec<f64>>())
+                variance(&journey.scale_drift.iter().zip(scales).map(log).collect::<Vec<f64>>())
             };
             journeys.iter().zip(scales).map(of_robot).sum()
         };
@@ -53,18 +55,15 @@ fn variance(values: &[f64]) -> f64 {
 
 /// A map point during a tour.
 struct Track {
-    first: (usize, Sight),
+    first: (usize, Keypoint),
     /// The parallax of its last placement, in radians; 0 before.
     parallax_rad: f64,
 }
 
 /// Returns the units per metre of a robot without depth, at each keyframe.
 pub fn units_per_metre(journey: &Sequence) -> Vec<f64> {
-    let mut depths_m: Vec<f64> = (journey.steps.first().into_iter())
-        .flat_map(|step| step.features.iter().map(|feature| feature.in_camera.z))
-        .collect();
-    depths_m.sort_by(f64::total_cmp);
-    let median_m = depths_m.get(depths_m.len() / 2).copied().unwrap_or(1.0);
+    let features = journey.steps.iter().take(1).flat_map(|step| &step.features);
+    let median_m = median(features.map(|feature| feature.in_camera.z).collect()).unwrap_or(1.0);
     journey.scale_drift.iter().map(|drift| drift.exp() / median_m).collect()
 }
 
@@ -92,15 +91,13 @@ fn place(
     (number, feature): (usize, usize),
 ) -> Option<Point3> {
     let step = &steps[number];
-    let keypoint = step.features[feature].keypoint;
-    let sight = Sight { pixel: [keypoint.u, keypoint.v], octave: keypoint.octave };
-    let track = tracks
-        .entry(step.map_points[feature].0)
-        .or_insert(Track { first: (number, sight), parallax_rad: 0.0 });
+    let seen = step.features[feature].keypoint;
+    let track =
+        tracks.entry(step.map_points[feature]).or_insert(Track { first: (number, seen), parallax_rad: 0.0 });
     let (first, seen_first) = track.first;
     let pose = |number: usize| steps[number].stop.stand.map_from_camera();
     let first_from_now = pose(first).inverse().after(&pose(number));
-    let found = triangulate(&first_from_now, seen_first, sight)?;
+    let found = triangulate(&first_from_now, seen_first, seen)?;
     if found.parallax_rad < track.parallax_rad * PLACED_ANEW {
         return None;
     }
@@ -130,18 +127,13 @@ mod tests {
         Sequence::record(&world, &stops, Noise::default(), 0.5, 7)
     }
 
-    fn median(mut figures: Vec<f64>) -> f64 {
-        figures.sort_by(f64::total_cmp);
-        figures[figures.len() / 2]
-    }
-
     #[test]
     fn motions_and_points_are_in_one_unit_that_drifts_and_what_has_no_parallax_has_no_place() {
         let journey = journey();
         let (units, seen) = (units_per_metre(&journey), without_depth(&journey));
         let first = &journey.steps[0];
         let depths: Vec<f64> = first.features.iter().map(|feature| feature.in_camera.z * units[0]).collect();
-        assert!((median(depths) - 1.0).abs() < 0.01, "the unit is the first median depth");
+        assert!((median(depths).unwrap() - 1.0).abs() < 0.01, "the unit is the first median depth");
         assert!(seen.steps[0].placed.is_empty(), "one view has no parallax");
         let (mut ratios, mut placed, mut new) = (Vec::new(), 0, 0);
         for (number, (with, without)) in journey.steps.iter().zip(&seen.steps).enumerate() {
@@ -155,12 +147,12 @@ mod tests {
         }
         assert!(placed > new / 3, "{placed} places for {new} points");
         let ever: std::collections::HashSet<u64> = (seen.steps.iter())
-            .flat_map(|step| step.placed.iter().map(|placed| step.map_points[placed.feature].0))
+            .flat_map(|step| step.placed.iter().map(|placed| step.map_points[placed.feature]))
             .collect();
         assert!((new / 4..new).contains(&ever.len()), "{} of {new} points have a place", ever.len());
-        let off = median(ratios);
+        let off = median(ratios).unwrap();
         assert!((0.01..0.08).contains(&off), "depths are off by {off}");
-        let ends = ScaleError::of(&[journey], &[&vec![1.0; units.len()]]);
+        let ends = ScaleError::of(&[journey], &[vec![1.0; units.len()]]);
         assert_eq!(ends.odometry, ends.corrected);
         assert!((0.005..0.3).contains(&ends.odometry), "{ends:?}");
     }
@@ -169,7 +161,7 @@ mod tests {
     fn a_scale_that_follows_the_drift_leaves_no_error() {
         let journey = journey();
         let scales: Vec<f64> = journey.scale_drift.iter().map(|drift| 3.0 * (-drift).exp()).collect();
-        let error = ScaleError::of(&[journey], &[&scales]);
+        let error = ScaleError::of(&[journey], &[scales]);
         assert!(error.corrected < 1e-12 && error.odometry > 0.005, "{error:?}");
     }
 }

@@ -1,84 +1,36 @@
 //! Noise: disturbances that make a world harder than the paper's.
 
-use serde::{Deserialize, Serialize};
+use crate::named::named;
 
-/// A kind of noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum NoiseKind {
-    /// None: the paper's worlds.
-    None,
-    /// The reader confuses characters, occasionally throughout a visit.
-    Reader,
-    /// Detections are missed, and some doors have no plate.
-    Missed,
-    /// Signs, paintings and numbers that hang everywhere.
-    Repeated,
-    /// Descriptions of one thing vary in wording.
-    Wording,
-    /// Two robots, each with its own frame, in one map.
-    Fleet,
-    /// All of the above except the second robot.
-    Mixed,
-    /// Door numbers change between rounds; not part of any headline figure.
-    Renumbered,
-    /// The second hotel: three identical-looking floors, the same prints on their walls, and a reader with realistic
-    /// limits.
-    #[serde(rename = "v2")]
-    SecondHotel,
+named! {
+    /// A kind of noise, by its name on the command line and its title in tables, in their order.
+    NoiseKind: &'static str {
+        /// None: the paper's worlds.
+        None = "none", "nothing";
+        /// The reader confuses characters, occasionally throughout a visit.
+        Reader = "reader", "misread characters";
+        /// Detections are missed, and some doors have no plate.
+        Missed = "missed", "missed plates";
+        /// Signs, paintings and numbers that hang everywhere.
+        Repeated = "repeated", "repeated signs, paintings and numbers";
+        /// Descriptions of one thing vary in wording.
+        Wording = "wording", "other wording";
+        /// Two robots, each with its own frame, in one map.
+        Fleet = "fleet", "two robots";
+        /// All of the above except the second robot.
+        Mixed = "mixed", "all of it together";
+        /// Door numbers change between rounds; not part of any headline figure.
+        Renumbered = "renumbered", "new numbers on the doors";
+        /// The second hotel: three identical-looking floors, the same prints on their walls, and a reader with realistic
+        /// limits.
+        SecondHotel = "v2", "hotel v2";
+    }
 }
 
 impl NoiseKind {
-    /// Every kind, in the order of tables.
-    pub const ALL: [Self; 9] = [
-        Self::None,
-        Self::Reader,
-        Self::Missed,
-        Self::Repeated,
-        Self::Wording,
-        Self::Fleet,
-        Self::Mixed,
-        Self::Renumbered,
-        Self::SecondHotel,
-    ];
     /// Each kind alone, and finally all combined.
     pub const TROUBLES: [Self; 6] =
         [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
-
-    /// Returns the kind with this name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
-    /// Returns the name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Reader => "reader",
-            Self::Missed => "missed",
-            Self::Repeated => "repeated",
-            Self::Wording => "wording",
-            Self::Fleet => "fleet",
-            Self::Mixed => "mixed",
-            Self::Renumbered => "renumbered",
-            Self::SecondHotel => "v2",
-        }
-    }
-
-    /// Returns the title in tables.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::None => "nothing",
-            Self::Reader => "misread characters",
-            Self::Missed => "missed plates",
-            Self::Repeated => "repeated signs, paintings and numbers",
-            Self::Wording => "other wording",
-            Self::Fleet => "two robots",
-            Self::Mixed => "all of it together",
-            Self::Renumbered => "new numbers on the doors",
-            Self::SecondHotel => "hotel v2",
-        }
-    }
 
     /// Returns its parameters.
     pub fn noise(self) -> Noise {
@@ -129,8 +81,8 @@ mod tests {
     #[test]
     fn a_kind_has_one_name_on_the_command_line_and_in_results() {
         for kind in NoiseKind::ALL {
-            assert_eq!(serde_json::to_value(kind).unwrap(), kind.name());
-            assert_eq!(NoiseKind::of_name(kind.name()), Some(kind));
+            assert_eq!(serde_json::to_value(kind).unwrap(), kind.as_str());
+            assert_eq!(NoiseKind::from_name(kind.as_str()), Some(kind));
         }
     }
 }

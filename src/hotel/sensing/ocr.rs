@@ -66,12 +66,11 @@ pub fn read(text: &str, sign: &Sign, bounding_box: [f64; 4], rng: &mut SeededRng
 
 /// Draws readings where there is no text, with their boxes in pixels.
 pub fn imagine(rng: &mut SeededRng) -> Vec<(String, [f64; 4])> {
-    let mut texts = Vec::new();
-    if rng.happens(IMAGINED_SHARE) {
-        let count = if rng.happens(IMAGINED_TWICE_SHARE) { 2 } else { 1 };
-        texts.extend((0..count).map(|_| imagined(rng)));
+    if !rng.happens(IMAGINED_SHARE) {
+        return Vec::new();
     }
-    texts
+    let count = if rng.happens(IMAGINED_TWICE_SHARE) { 2 } else { 1 };
+    (0..count).map(|_| imagined(rng)).collect()
 }
 
 fn imagined(rng: &mut SeededRng) -> (String, [f64; 4]) {

@@ -4,10 +4,10 @@
 //! ORB-SLAM3 without loops. The absolute pose error printed for the sequence (Table III, ORB-VO) determines the drift.
 //! The same errors are scaled until the aligned trajectory has exactly that error.
 
+use crate::geometry::Pose;
 use crate::geometry::absolute_orientation::Scale;
-use crate::geometry::{Point3, Pose};
 use crate::hotel::rng::SeededRng;
-use crate::hotel::scoring::absolute_pose_error::rmse_after_alignment;
+use crate::hotel::scoring::absolute_pose_error::{centres, rmse_after_alignment};
 
 /// Heading errors before scaling: noise per square root of a metre, noise per square root of a radian, and a slowly
 /// changing bias per metre.
@@ -40,13 +40,12 @@ struct StepError {
 /// Returns the relative motions that odometry reports, `previous_from_next` for each keyframe but the first. The whole
 /// trajectory then has the error `drift_m`: RMSE after alignment, as evo computes it.
 pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Vec<Pose> {
-    let motions: Vec<Pose> = truth.windows(2).map(|pair| pair[0].inverse().after(&pair[1])).collect();
+    let motions: Vec<Pose> = motions(truth).collect();
     let errors = errors(&motions, rng);
-    let centres: Vec<Point3> = truth.iter().map(Pose::centre).collect();
+    let truth = centres(truth);
     let off_m = |scale: f64| {
-        let estimate = integrate(&erring(&motions, &errors, scale));
-        let estimate: Vec<Point3> = estimate.iter().map(Pose::centre).collect();
-        rmse_after_alignment(&estimate, &centres, Scale::Fixed).unwrap_or(0.0)
+        let estimate = centres(&integrate(&erring(&motions, &errors, scale)));
+        rmse_after_alignment(&estimate, &truth, Scale::Fixed).unwrap_or(0.0)
     };
     let (mut low, mut high) = (0.0, 1.0);
     while off_m(high) < drift_m && high < 1e3 {
@@ -71,20 +70,20 @@ pub fn integrate(motions: &[Pose]) -> Vec<Pose> {
 /// Draws the units per metre of a robot without depth at each keyframe, relative to the first, as natural logarithms.
 /// They are a random walk with the distance driven, stronger in turns. Its strength is our choice.
 pub fn scale_drift(truth: &[Pose], rng: &mut SeededRng) -> Vec<f64> {
-    let mut drift = Vec::with_capacity(truth.len());
-    let mut before: Option<(&Pose, f64)> = None;
-    for pose in truth {
-        let now = before.map_or(0.0, |(last, drift)| {
-            let motion = last.inverse().after(pose);
-            let (length_m, turn_rad) = (motion.centre().coords.norm(), motion.isometry().rotation.angle());
-            drift
-                + rng.normal(DRIFT_PER_METRE * length_m.sqrt())
-                + rng.normal(DRIFT_PER_RADIAN * turn_rad.sqrt())
-        });
+    let mut drift = vec![0.0];
+    for motion in motions(truth) {
+        let (length_m, turn_rad) = (motion.centre().coords.norm(), motion.isometry().rotation.angle());
+        let now = drift[drift.len() - 1]
+            + rng.normal(DRIFT_PER_METRE * length_m.sqrt())
+            + rng.normal(DRIFT_PER_RADIAN * turn_rad.sqrt());
         drift.push(now);
-        before = Some((pose, now));
     }
     drift
+}
+
+/// Returns the motion from each keyframe to the next, `previous_from_next`.
+fn motions(poses: &[Pose]) -> impl Iterator<Item = Pose> {
+    poses.windows(2).map(|pair| pair[0].inverse().after(&pair[1]))
 }
 
 fn errors(motions: &[Pose], rng: &mut SeededRng) -> Vec<StepError> {
@@ -138,9 +137,9 @@ mod tests {
             .collect();
         for drift_m in [0.22, 0.96] {
             let motions = drifting_motions(&truth, drift_m, &mut SeededRng::new(1, "odometry"));
-            let estimate: Vec<Point3> = integrate(&motions).iter().map(Pose::centre).collect();
-            let centres: Vec<Point3> = truth.iter().map(Pose::centre).collect();
-            let off_m = rmse_after_alignment(&estimate, &centres, Scale::Fixed).expect("enough points");
+            let estimate = centres(&integrate(&motions));
+            let off_m =
+                rmse_after_alignment(&estimate, &centres(&truth), Scale::Fixed).expect("enough points");
             assert!((off_m - drift_m).abs() < 1e-6, "{off_m} instead of {drift_m}");
         }
     }

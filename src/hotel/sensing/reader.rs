@@ -1,5 +1,7 @@
 //! Reader: simulates text recognition, or a model that describes pictures.
 
+use std::collections::HashMap;
+
 use super::misreading::misread;
 use super::noise::Noise;
 use super::ocr;
@@ -26,15 +28,15 @@ const SYNONYMS: [(&str, &str); 12] = [
 #[derive(Clone, Debug)]
 pub struct Reader {
     noise: Noise,
-    /// Signs that this visit's light disguises: (sign, the text read).
-    glare: Vec<(usize, String)>,
+    /// Each plate as it looks in this visit's light, which may disguise it.
+    plates: HashMap<usize, String>,
     visit: usize,
 }
 
 impl Reader {
     /// Returns a reader with this noise.
     pub fn new(noise: Noise) -> Self {
-        Self { noise, glare: Vec::new(), visit: usize::MAX }
+        Self { noise, plates: HashMap::new(), visit: usize::MAX }
     }
 
     /// Reads a sign in this box, in pixels; returns the class and the text of the detection, none if it sees no text.
@@ -48,7 +50,7 @@ impl Reader {
     ) -> Option<(&'static str, String)> {
         let text = self.read(number, sign, visit, rng);
         if !self.noise.ocr || sign.kind == SignKind::Painting {
-            return Some((sign.kind.class(), text));
+            return Some((sign.kind.as_str(), text));
         }
         Some((ocr::CLASS, ocr::read(&text, sign, bounding_box, rng)?))
     }
@@ -62,7 +64,7 @@ impl Reader {
     fn read(&mut self, number: usize, sign: &Sign, visit: usize, rng: &mut SeededRng) -> String {
         if self.visit != visit {
             self.visit = visit;
-            self.glare.clear();
+            self.plates.clear();
         }
         if sign.kind == SignKind::Painting {
             return self.describe(&sign.text, rng);
@@ -70,18 +72,10 @@ impl Reader {
         if sign.kind != SignKind::DoorPlate {
             return sign.text.clone();
         }
-        let mut number_read = sign.text.clone();
-        if !self.glare.iter().any(|(known, _)| *known == number) {
-            let seen = if rng.happens(self.noise.glare_share) {
-                misread(&sign.text, rng)
-            } else {
-                sign.text.clone()
-            };
-            self.glare.push((number, seen));
-        }
-        if let Some((_, seen)) = self.glare.iter().find(|(known, _)| *known == number) {
-            number_read.clone_from(seen);
-        }
+        let looks = self.plates.entry(number).or_insert_with(|| {
+            if rng.happens(self.noise.glare_share) { misread(&sign.text, rng) } else { sign.text.clone() }
+        });
+        let mut number_read = looks.clone();
         if rng.happens(self.noise.misread_share) {
             number_read = misread(&number_read, rng);
         }

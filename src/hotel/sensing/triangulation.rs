@@ -5,21 +5,13 @@
 
 use super::camera::{PINHOLE, unproject};
 use super::sensor::OCTAVE_FACTOR;
+use crate::domain::keyframe::Keypoint;
 use crate::geometry::{Point3, Pose};
 
 /// Minimum angle between the two rays: its cosine is 0.9998 (ORB-SLAM2, `LocalMapping::CreateNewMapPoints`).
 const MIN_PARALLAX_RAD: f64 = 0.02;
 /// Maximum squared reprojection error in variances: chi-squared with two degrees of freedom at 95 %.
 const MAX_SQUARED_ERROR: f64 = 5.991;
-
-/// An observation of a point in one image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
-    /// The pixel.
-    pub pixel: [f64; 2],
-    /// The octave of the image pyramid.
-    pub octave: u8,
-}
 
 /// A triangulated point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +23,10 @@ pub struct Triangulated {
 }
 
 /// Triangulates a point from two observations and the motion between them, `first_from_second`.
-pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Option<Triangulated> {
+pub fn triangulate(first_from_second: &Pose, first: Keypoint, second: Keypoint) -> Option<Triangulated> {
     let centre = first_from_second.centre().coords;
-    let towards_first = unproject(first.pixel, 1.0).coords;
-    let towards_second = first_from_second.transform(&unproject(second.pixel, 1.0)).coords - centre;
+    let towards_first = unproject([first.u, first.v], 1.0).coords;
+    let towards_second = first_from_second.transform(&unproject([second.u, second.v], 1.0)).coords - centre;
     let parallax_rad = towards_first.angle(&towards_second);
     if parallax_rad < MIN_PARALLAX_RAD {
         return None;
@@ -54,10 +46,10 @@ pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Opt
 }
 
 /// Whether the point projects to its observation.
-fn is_seen(in_camera: &Point3, sight: Sight) -> bool {
+fn is_seen(in_camera: &Point3, seen: Keypoint) -> bool {
     let Some([u, v]) = PINHOLE.project(&in_camera.coords) else { return false };
-    let sigma_px = OCTAVE_FACTOR.powi(i32::from(sight.octave));
-    let squared_px = (u - sight.pixel[0]).powi(2) + (v - sight.pixel[1]).powi(2);
+    let sigma_px = OCTAVE_FACTOR.powi(i32::from(seen.octave));
+    let squared_px = (u - seen.u).powi(2) + (v - seen.v).powi(2);
     squared_px <= MAX_SQUARED_ERROR * sigma_px * sigma_px
 }
 
@@ -69,9 +61,9 @@ mod tests {
         Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose")
     }
 
-    fn sight(point: &Point3, from: &Pose) -> Sight {
-        let pixel = PINHOLE.project(&from.inverse_transform(point).coords).expect("in front");
-        Sight { pixel, octave: 2 }
+    fn sight(point: &Point3, from: &Pose) -> Keypoint {
+        let [u, v] = PINHOLE.project(&from.inverse_transform(point).coords).expect("in front");
+        Keypoint { u, v, octave: 2, angle_deg: None }
     }
 
     #[test]
@@ -90,7 +82,7 @@ mod tests {
         assert_eq!(triangulate(&aside(0.05), first, sight(&point, &aside(0.05))), None, "one degree");
         let second = sight(&point, &aside(0.4));
         assert_eq!(triangulate(&aside(-0.4), first, second), None, "the rays meet behind");
-        let off = |by_px: f64| Sight { pixel: [second.pixel[0], second.pixel[1] + by_px], ..second };
+        let off = |by_px: f64| Keypoint { v: second.v + by_px, ..second };
         // Each of the two observations has half of the error; 1.44 pixels are one standard deviation.
         assert!(triangulate(&aside(0.4), first, off(6.0)).is_some());
         assert_eq!(triangulate(&aside(0.4), first, off(8.0)), None);

@@ -79,9 +79,9 @@ impl Confirmation {
     ) -> Option<Confirmed> {
         let query = Query::new(maps, query);
         match self.pending.take().map(|pending| query.follow(pending)) {
-            Some(Followed::Agrees(pending)) => return self.keep(pending),
-            Some(Followed::Fails(pending)) if pending.failures < FAILURES => self.pending = Some(pending),
-            Some(Followed::Fails(_)) | None => {}
+            Some(pending) if pending.failures == 0 => return self.keep(pending),
+            Some(pending) if pending.failures < FAILURES => self.pending = Some(pending),
+            Some(_) | None => {}
         }
         let mut best: Option<Pending> = None;
         for pending in proposals.iter().filter_map(|proposal| query.check(proposal)) {
@@ -103,12 +103,6 @@ impl Confirmation {
     }
 }
 
-/// The state of a pending loop after the following keyframe.
-enum Followed {
-    Agrees(Pending),
-    Fails(Pending),
-}
-
 /// The keyframe being checked.
 struct Query<'a> {
     maps: &'a [&'a SlamMap<'a>],
@@ -122,7 +116,7 @@ struct Query<'a> {
 impl<'a> Query<'a> {
     fn new(maps: &'a [&'a SlamMap<'a>], (robot, number): KeyframeIndex) -> Self {
         let map = maps[robot];
-        let pose = &map.poses()[number];
+        let pose = map.pose(number);
         let placed = map.point_ids(number).filter_map(|id| map.point(id));
         let points = placed.map(|(place, ..)| pose.inverse_transform(&place)).collect();
         Self { maps, robot, number, image: Image::new(map.features(number)), points }
@@ -163,8 +157,7 @@ impl<'a> Query<'a> {
         let map = self.maps[self.robot];
         let agrees = |neighbour: &usize| {
             let neighbour = Self::new(self.maps, (self.robot, *neighbour));
-            let query_from_neighbour =
-                map.poses()[self.number].inverse().after(&map.poses()[neighbour.number]);
+            let query_from_neighbour = map.pose(self.number).inverse().after(&map.pose(neighbour.number));
             let candidate_from_neighbour = found.candidate_from_query.after(&query_from_neighbour);
             let window = neighbour.window(found.candidate);
             let seen = neighbour.image.search(&window, &candidate_from_neighbour, Search::NEIGHBOURS);
@@ -177,18 +170,19 @@ impl<'a> Query<'a> {
             .count()
     }
 
-    /// Checks whether the keyframe agrees with a loop of the last agreeing one.
-    fn follow(&self, pending: Pending) -> Followed {
+    /// Returns the state of a pending loop after this keyframe: with no failures if the keyframe agrees with the last
+    /// agreeing one.
+    fn follow(&self, pending: Pending) -> Pending {
         let Some((candidate_from_query, found)) = self.found_later(&pending) else {
-            return Followed::Fails(Pending { failures: pending.failures + 1, ..pending });
+            return Pending { failures: pending.failures + 1, ..pending };
         };
         let latest = Confirmed { candidate_from_query, found, ..pending.latest };
-        Followed::Agrees(Pending { latest, last: self.number, agreeing: pending.agreeing + 1, failures: 0 })
+        Pending { latest, last: self.number, agreeing: pending.agreeing + 1, failures: 0 }
     }
 
     fn found_later(&self, pending: &Pending) -> Option<(Pose, usize)> {
-        let poses = self.maps[self.robot].poses();
-        let last_from_query = poses[pending.last].inverse().after(&poses[self.number]);
+        let map = self.maps[self.robot];
+        let last_from_query = map.pose(pending.last).inverse().after(&map.pose(self.number));
         let candidate_from_query = pending.latest.candidate_from_query.after(&last_from_query);
         let window = self.window(pending.latest.candidate);
         let search = |transform: &Pose| self.image.search(&window, transform, Search::NEIGHBOURS);

@@ -49,7 +49,7 @@ fn step(wall: &[(Point3, Descriptor)], x: f64, first_id: u64) -> Step {
             feature(number as u32, pixel, in_camera.z, OCTAVE, *descriptor)
         })
         .collect();
-    let map_points = (0..features.len() as u64).map(|number| (first_id + number, false)).collect();
+    let map_points = (0..features.len() as u64).map(|number| first_id + number).collect();
     let stand = Stand { at: [x, 0.0], heading_rad: 0.0 };
     let stop = Stop { stand, place: Place::Corridor, visit: 0, storey: 0 };
     let placed = (features.iter().enumerate())

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::geometry::{Point3, Pose};
+use crate::geometry::Point3;
 use crate::hotel::building::texture::Descriptor;
 use crate::hotel::robot::slam_map::SlamMap;
 
@@ -48,7 +48,7 @@ pub fn keyframes_farther_around(
 /// Returns the map points seen by these keyframes, in the order of their numbers.
 pub fn points_of(map: &SlamMap<'_>, keyframes: &BTreeSet<usize>, candidate: usize) -> Vec<WindowPoint> {
     let ids: BTreeSet<u64> = keyframes.iter().flat_map(|keyframe| map.point_ids(*keyframe)).collect();
-    let candidate_from_map: Pose = map.poses()[candidate].inverse();
+    let candidate_from_map = map.pose(candidate).inverse();
     let point = |id: u64| {
         let (place, first_pose, first) = map.point(id)?;
         Some(WindowPoint {
