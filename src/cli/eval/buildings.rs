@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
-use super::record;
+use super::files;
 use crate::buildings::kind::Kind;
 use crate::buildings::play::{Played, play, recording};
 use crate::buildings::tables;
@@ -77,7 +77,7 @@ pub(super) async fn run(args: &BuildingsArgs) -> Result<(), Failure> {
         std::fs::create_dir_all(folder)?;
         for (kind, seed) in worlds {
             let file = folder.join(format!("{}-{seed}.ndjson", kind.as_str()));
-            record::write(&file, recording(kind, seed, args.arm))?;
+            files::write_recording(&file, recording(kind, seed, args.arm))?;
         }
         return Ok(());
     }

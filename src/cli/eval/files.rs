@@ -1,11 +1,13 @@
-//! Output files of an experiment: figures as SVG, trajectories in TUM format, all results as JSON.
+//! Output files of an experiment: figures as SVG, trajectories in TUM format, recordings, all results as JSON.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::curve::curve;
+use crate::cli::compressed_file::{CompressedFile, ZSTD_LEVEL};
 use crate::cli::failure::Failure;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
@@ -57,6 +59,16 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     write_json(folder, &json!({"sequences": results}))
 }
 
+/// Writes the lines of a recording into a file, compressed according to its name.
+pub(super) fn write_recording(file: &Path, lines: Vec<Value>) -> Result<(), Failure> {
+    let mut out = CompressedFile::new(File::create(file)?, file, ZSTD_LEVEL)?;
+    for line in lines {
+        writeln!(out, "{line}")?;
+    }
+    out.finish()?;
+    Ok(())
+}
+
 /// Writes all results of random worlds, and the block if they are held out.
 pub(super) fn write_worlds(
     folder: &Path,
@@ -67,7 +79,7 @@ pub(super) fn write_worlds(
     write_json(folder, &json!({"held_out_block": held_out, "worlds": results}))
 }
 
-fn write_json(folder: &Path, results: &serde_json::Value) -> Result<(), Failure> {
+fn write_json(folder: &Path, results: &Value) -> Result<(), Failure> {
     Ok(fs::write(folder.join("results.json"), format!("{results:#}\n"))?)
 }
 

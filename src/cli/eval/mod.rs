@@ -9,7 +9,7 @@
 //! | `record` | a tour as a recording |
 //! | `restarts` | a robot that wakes up and asks where it is |
 //! | `curve` | an arm's curve of precision over recall |
-//! | `files` | figures, trajectories and JSON |
+//! | `files` | figures, trajectories, recordings and JSON |
 //! | `driven_worlds` | incremental results, so that a run can be resumed |
 //! | `words_alone` | bag of words without geometry, beside the arms |
 //! | `progress` | progress display |
