@@ -35,13 +35,11 @@ mod retention;
 mod service;
 mod stored;
 mod tasks;
-mod verdict_counts;
 mod vocabulary;
 
 pub use backups::folder::BackupMade;
 pub use cluster::routing::Route;
 pub use error::{Result, ServiceError};
-pub use maps::features::FeatureFigures;
 pub use maps::feeds::Listener;
 pub use maps::loads::LoadFigures;
 pub use maps::pinned::PinnedMap;
@@ -55,4 +53,3 @@ pub use operations::stats::Stats;
 pub use options::{ModelChoice, ServiceOptions, WriteAnswer};
 pub use service::Service;
 pub use stored::Stored;
-pub use verdict_counts::VerdictCounts;

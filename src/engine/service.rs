@@ -1,5 +1,6 @@
 //! The handle of the engine: every use case is one of its methods.
 
+use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -24,9 +25,9 @@ use super::maps::loads::Used;
 use super::maps::registry::Registry;
 use super::named_vocabulary::NamedVocabulary;
 use super::options::WriteAnswer;
-use super::verdict_counts::VerdictCounts;
 use crate::config::quotas::Quotas;
 use crate::domain::ids::MapId;
+use crate::domain::verdict::Decision;
 use crate::llm::Models;
 use crate::store::{Disk, MapKey, Store};
 
@@ -52,7 +53,8 @@ pub struct Parts {
     /// Held while such a job is started, so that one job of a map runs at a time.
     pub(super) starting: Arc<tokio::sync::Mutex<()>>,
     pub(super) triggers: Arc<TriggerQueue>,
-    pub(super) verdicts: Arc<Mutex<VerdictCounts>>,
+    /// Loop queries answered since the start, by verdict.
+    pub(super) verdicts: Arc<Mutex<BTreeMap<Decision, u64>>>,
     pub(super) write_answer: WriteAnswer,
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,

@@ -7,7 +7,6 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use tokio::sync::OnceCell;
 use tokio::task::spawn_blocking;
 
 use super::registry::{Cell, Registry};
@@ -17,13 +16,13 @@ use crate::engine::lock::lock;
 impl Registry {
     /// Evicts in the background if the maps have grown beyond the budget.
     pub(in crate::engine) fn keep_to_budget(self: &Arc<Self>) {
-        if self.memory.excess(0) == 0 || !self.loads.begin_evicting() {
+        if self.memory.excess(0) == 0 || self.loads.is_evicting.swap(true, Ordering::AcqRel) {
             return;
         }
         let registry = self.clone();
         drop(spawn_blocking(move || {
             registry.make_room(0);
-            registry.loads.end_evicting();
+            registry.loads.is_evicting.store(false, Ordering::Release);
         }));
     }
 
@@ -43,13 +42,14 @@ impl Registry {
     fn take_idle(&self, bytes: u64) -> Vec<Cell> {
         let mut cells = lock(&self.cells);
         let mut idle: Vec<(u64, MapId, u64)> = Vec::new();
-        cells.retain(|id, cell| match idle_in(cell) {
-            Some(Idle::Empty) => false,
-            Some(Idle::Map { last_use, bytes }) => {
-                idle.push((last_use, id.clone(), bytes));
-                true
+        cells.retain(|id, cell| {
+            // What nobody holds is idle: under the lock of the table, nobody can begin to.
+            let Some(unheld) = Arc::get_mut(cell) else { return true };
+            let Some(live) = unheld.get_mut() else { return false };
+            if let Some(live) = Arc::get_mut(live) {
+                idle.push((live.last_use.load(Ordering::Relaxed), id.clone(), live.memory.bytes()));
             }
-            None => true,
+            true
         });
         idle.sort_unstable();
         let mut taken = 0;
@@ -67,22 +67,4 @@ impl Registry {
         }
         evicted
     }
-}
-
-/// A cell that no other part of the process holds.
-enum Idle {
-    /// Nothing was loaded into it.
-    Empty,
-    Map {
-        last_use: u64,
-        bytes: u64,
-    },
-}
-
-/// Returns what a cell holds if nobody works on it: under the lock of the table, nobody can begin to.
-fn idle_in(cell: &mut Cell) -> Option<Idle> {
-    let cell = Arc::get_mut(cell)?;
-    let Some(live) = OnceCell::get_mut(cell) else { return Some(Idle::Empty) };
-    let live = Arc::get_mut(live)?;
-    Some(Idle::Map { last_use: live.last_use.load(Ordering::Relaxed), bytes: live.memory.bytes() })
 }

@@ -29,19 +29,10 @@ pub(in crate::engine) struct FeatureCache {
     cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
     /// Groups features by node, so that only those of one node are compared.
     vocabulary: Option<Arc<NamedVocabulary>>,
-    hits: Arc<AtomicU64>,
-    misses: Arc<AtomicU64>,
-}
-
-/// How well the cache does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FeatureFigures {
     /// Features that geometry found in it.
-    pub hits: u64,
+    pub hits: Arc<AtomicU64>,
     /// Features that it had to read from disk.
-    pub misses: u64,
-    /// Bytes of the features in it.
-    pub bytes: u64,
+    pub misses: Arc<AtomicU64>,
 }
 
 impl FeatureCache {
@@ -53,10 +44,9 @@ impl FeatureCache {
         Self { cache, vocabulary, hits: Arc::default(), misses: Arc::default() }
     }
 
-    /// Returns how well the cache does since the start.
-    pub fn figures(&self) -> FeatureFigures {
-        let [hits, misses] = [&self.hits, &self.misses].map(|count| count.load(Ordering::Relaxed));
-        FeatureFigures { hits, misses, bytes: self.cache.weighted_size() }
+    /// Returns the bytes of the features in it.
+    pub fn bytes(&self) -> u64 {
+        self.cache.weighted_size()
     }
 
     /// Returns the features of these keyframes, with the map points that they observe at the version of the question; those

@@ -231,25 +231,32 @@ impl LiveMap {
         if self.is_poisoned() {
             return Err(StoreError::Superseded.into());
         }
-        let (value, decided, new_keyframe) = match decide(&mut state.index)? {
-            Decision::Changed(value, decided, rows) => (value, decided, rows),
-            Decision::Unchanged(value) => {
-                return Ok(Begun {
-                    store,
-                    live: self.clone(),
-                    value,
-                    version: state.version,
-                    committed: None,
-                });
-            }
+        let (value, change) = match decide(&mut state.index)? {
+            Decision::Changed(value, decided, rows) => (value, Some((decided, rows))),
+            Decision::Unchanged(value) => (value, None),
         };
+        let committed = change.map(|(decided, rows)| {
+            let batch = self.next_batch(&mut state, decided, rows);
+            let (version, event) = (batch.version, batch.next_event - 1);
+            self.submit(&store, Job::Change(Box::new(batch)), urgency, version, event, Some(permit))
+        });
+        Ok(Begun { store, live: self.clone(), value, version: state.version, committed })
+    }
+
+    /// Numbers what was decided, and returns it for the store.
+    fn next_batch(
+        &self,
+        state: &mut State,
+        decided: Decided,
+        new_keyframe: Option<NewKeyframeRows>,
+    ) -> Batch {
         state.version += 1;
         let version = state.version;
         self.newest.store(version, Ordering::Release);
-        let events = number(&mut state, decided.events);
+        let events = number(state, decided.events);
         let memory_bytes = state.index.memory_bytes();
         self.memory.set(memory_bytes);
-        let batch = Batch {
+        Batch {
             map: self.key,
             version,
             next_keyframe: state.index.next_keyframe(),
@@ -263,10 +270,7 @@ impl LiveMap {
             new_keyframe,
             events,
             is_followed: self.lease().is_some_and(Lease::is_followed),
-        };
-        let job = Job::Change(Box::new(batch));
-        let committed = self.submit(&store, job, urgency, version, state.next_event - 1, Some(permit));
-        Ok(Begun { store, live: self.clone(), value, version, committed: Some(committed) })
+        }
     }
 
     /// Returns how large it is; as it was before, while a request holds the lock.

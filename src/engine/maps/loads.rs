@@ -39,7 +39,8 @@ pub(in crate::engine) struct Loads {
     loading: Mutex<HashSet<MapId>>,
     /// Counts uses, to tell which came first.
     uses: AtomicU64,
-    is_evicting: AtomicBool,
+    /// Whether somebody evicts in the background.
+    pub(super) is_evicting: AtomicBool,
     pub figures: Mutex<LoadFigures>,
 }
 
@@ -103,15 +104,5 @@ impl Loads {
         figures.loads += 1;
         figures.load_microseconds += took.as_micros() as u64;
         figures.oversized += u64::from(is_oversized);
-    }
-
-    /// Begins evicting in the background; false if somebody else does.
-    pub fn begin_evicting(&self) -> bool {
-        !self.is_evicting.swap(true, Ordering::AcqRel)
-    }
-
-    /// Ends what [`Self::begin_evicting`] began.
-    pub fn end_evicting(&self) {
-        self.is_evicting.store(false, Ordering::Release);
     }
 }

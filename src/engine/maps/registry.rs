@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use tokio::sync::OnceCell;
 
 use super::feeds::Feeds;
-use super::live::LiveMap;
+use super::live::{Figures, LiveMap};
 use super::loads::Loads;
 use super::map_memory::MapMemory;
 use crate::domain::ids::MapId;
@@ -79,9 +79,9 @@ impl Registry {
         cells.values().filter_map(|cell| cell.get().filter(|live| wanted(live)).cloned()).collect()
     }
 
-    /// Looks at every map in memory, holding none: what is quick and waits for nothing.
-    pub fn each_in_memory(&self, mut look: impl FnMut(&LiveMap)) {
-        lock(&self.cells).values().filter_map(|cell| cell.get()).for_each(|live| look(live));
+    /// Returns how large each map in memory is. It holds none, and waits for nothing.
+    pub fn figures(&self) -> Vec<Figures> {
+        lock(&self.cells).values().filter_map(|cell| cell.get()).map(|live| live.figures()).collect()
     }
 
     /// Takes a cell from the table, unless a map has come to life in it meanwhile.

@@ -10,7 +10,7 @@ use crate::engine::limits::quota::{check_observations, check_points};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::observations::{
-    CHANGED_PAIRS_MAX, TooManyPairs, change_observations, keyframes_of,
+    CHANGED_PAIRS_MAX, ObservationsChanged, TooManyPairs, change_observations, keyframes_of,
 };
 use crate::recognition::map::correction::{Correction, correct};
 use crate::recognition::map::index::MapIndex;
@@ -49,12 +49,8 @@ impl Service {
             }
             check_observations(&room, index, &update)?;
             let changed = change_observations(index, update).map_err(too_many_pairs)?;
-            let counts = ChangedCounts {
-                keyframes: changed.keyframes,
-                map_points: changed.map_points,
-                merged: changed.merged,
-            };
-            Ok(Decision::Changed(counts, changed.decided, None))
+            let ObservationsChanged { keyframes, map_points, merged, decided } = changed;
+            Ok(Decision::Changed(ChangedCounts { keyframes, map_points, merged }, decided, None))
         };
         self.change(&live, decide).await
     }

@@ -3,8 +3,9 @@
 
 use super::named::no_keyframe_of_map;
 use crate::domain::ids::{JudgementId, MapId};
-use crate::domain::judged::CropRead;
+use crate::domain::judged::{CropRead, CropReading};
 use crate::domain::judgement::{Asks, JobState, Judgement, Tally};
+use crate::domain::named_detection::NamedDetection;
 use crate::domain::report::JudgementReport;
 use crate::domain::request::{NewJudgement, NewVerdict};
 use crate::engine::maps::live::LiveMap;
@@ -22,8 +23,8 @@ impl Service {
         let live = self.live(map).await?;
         let learn = move |index: &mut MapIndex| match new {
             NewVerdict::OfTexts(verdict) => Ok(learn_verdict(index, verdict)),
-            crop @ NewVerdict::OfCrop(..) => {
-                Ok(crop_read(index, crop)?.and_then(|read| learn_reading(index, read)))
+            NewVerdict::OfCrop(named, reading) => {
+                Ok(crop_read(index, &named, reading)?.and_then(|read| learn_reading(index, read)))
             }
         };
         self.learn(&live, learn).await
@@ -137,8 +138,7 @@ impl Service {
 }
 
 /// Returns the reading of a crop with the anchor that its detection feeds; `None` if it feeds none.
-fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>> {
-    let NewVerdict::OfCrop(named, reading) = new else { return Ok(None) };
+fn crop_read(index: &MapIndex, named: &NamedDetection, reading: CropReading) -> Result<Option<CropRead>> {
     let Some(keyframe) = index.keyframe_seq(&named.keyframe) else {
         return Err(no_keyframe_of_map("/keyframe", &named.keyframe).into());
     };

@@ -12,11 +12,11 @@ use crate::domain::map::MapProperties;
 use crate::domain::report::{MapReport, Page};
 use crate::domain::request::{Digest, MapPatch, NewMap, PageRequest};
 use crate::domain::settings::Settings;
+use crate::engine::erasures::recorded;
 use crate::engine::error::{parsed, refuse};
 use crate::engine::maps::live::Decision;
 use crate::engine::tasks::{blocking, to_its_end};
 use crate::engine::{Result, Service, ServiceError, Stored};
-use crate::recognition::map::recorder::Recorder;
 use crate::store::{Job, MapRow, StoreError};
 
 impl Service {
@@ -120,9 +120,7 @@ impl Service {
         let live = self.live(id).await?;
         self.change(&live, move |index| {
             let properties = patched(index.properties(), patch)?;
-            let mut record = Recorder::new(index);
-            record.apply(vec![Change::MapSet(Box::new(properties))]);
-            Ok(Decision::Changed((), record.finish(), None))
+            Ok(Decision::of((), recorded(index, vec![Change::MapSet(Box::new(properties))])))
         })
         .await?;
         self.get_map(id).await

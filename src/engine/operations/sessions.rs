@@ -15,7 +15,7 @@ use crate::engine::limits::quota::check_merge;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError};
 use crate::recognition::anchors::session_merge::{
-    is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
+    SessionsMerged, is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
 };
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
@@ -75,13 +75,9 @@ impl Service {
                 return Err(ServiceError::TooLarge(format!("{detail}, and at most {limit} may merge")));
             }
             check_merge(&room, index, &request, &keyframes)?;
-            let merged = merge_sessions(index, session, &request);
-            let counts = ChangedCounts {
-                keyframes: merged.keyframes,
-                map_points: merged.map_points,
-                merged: merged.merged,
-            };
-            Ok(Decision::Changed(counts, merged.decided, None))
+            let changed = merge_sessions(index, session, &request);
+            let SessionsMerged { keyframes, map_points, merged, decided } = changed;
+            Ok(Decision::Changed(ChangedCounts { keyframes, map_points, merged }, decided, None))
         };
         self.change(&live, decide).await
     }

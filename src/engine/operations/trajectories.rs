@@ -6,6 +6,7 @@ use super::named::find_session;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{KeyframeId, MapId, SessionId, SessionSeq};
 use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
+use crate::engine::maps::live::State;
 use crate::engine::{Result, Service};
 use crate::recognition::map::index::MapIndex;
 
@@ -13,14 +14,11 @@ impl Service {
     /// Returns the trajectories of a map, or of one of its sessions with the loops within it.
     pub async fn trajectory(&self, map: &MapId, session: Option<SessionId>) -> Result<TrajectoryReport> {
         let live = self.live(map).await?;
-        let chosen = move |index: &MapIndex| session.as_ref().map(|id| find_session(index, id)).transpose();
-        let (map_version, tracks) = self
-            .read(&live, move |state| {
-                let session = chosen(&state.index)?;
-                Ok((tracks(&state.index, session), loops(&state.index, session)))
-            })
-            .await?;
-        let (sessions, loops) = tracks;
+        let look = move |state: &State| {
+            let only = session.as_ref().map(|id| find_session(&state.index, id)).transpose()?;
+            Ok((tracks(&state.index, only), loops(&state.index, only)))
+        };
+        let (map_version, (sessions, loops)) = self.read(&live, look).await?;
         Ok(TrajectoryReport { map_version, sessions, loops, is_in_one_frame: false, unjoined: Vec::new() })
     }
 

@@ -48,7 +48,7 @@ impl Service {
 
     async fn answer_and_record(&self, live: &Arc<LiveMap>, query: LoopQuery) -> Result<QueryAnswer> {
         let answer = self.answer(live, query).await?;
-        lock(&self.verdicts).add(answer.verdict.decision);
+        *lock(&self.verdicts).entry(answer.verdict.decision).or_default() += 1;
         // Written behind, bounded, oldest out first.
         let line = VerdictLine::of(answer.keyframe.as_ref(), &answer.verdict);
         let given = GivenAnswer { id: answer.id.clone(), line, body: answer.body.clone() };

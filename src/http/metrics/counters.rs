@@ -11,12 +11,17 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Metric, Registry, Unit};
 
-use super::gauges::{Figures, GAUGES};
+use super::process::Process;
 use crate::config::build;
+use crate::domain::key::KeySeq;
+use crate::engine::Stats;
 
 /// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
 const LATENCY_BOUNDS_S: [f64; 14] =
     [0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0, 60.0];
+
+/// The beginning of every name.
+const PREFIX: &str = "revisit";
 
 /// Keys that have a label of their own; there may be any number of keys.
 const KEYS_NAMED: usize = 100;
@@ -38,9 +43,6 @@ pub struct Metrics {
     in_flight: Gauge<u64, AtomicU64>,
     connections: Family<Label<&'static str>, Counter>,
     shed: Family<Label<&'static str>, Counter>,
-    /// Parallel to [`GAUGES`].
-    gauges: Vec<Gauge<u64, AtomicU64>>,
-    map_load: Gauge<f64, AtomicU64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -65,7 +67,7 @@ fn registered<M: Metric + Clone + Default>(registry: &mut Registry, name: &str, 
 
 impl Default for Metrics {
     fn default() -> Self {
-        let mut registry = Registry::with_prefix("revisit");
+        let mut registry = Registry::with_prefix(PREFIX);
         let of = &mut registry;
         let requests = registered(of, "http_requests", "Requests by method, route and status");
         let latency =
@@ -97,12 +99,6 @@ impl Default for Metrics {
                 "Connections accepted, refused without a free slot, or evicted for another",
             ),
             shed: registered(of, "shed", "Requests rejected with 503 at once, by kind"),
-            gauges: GAUGES.iter().map(|(name, help, _)| registered(of, name, help)).collect(),
-            map_load: registered(
-                of,
-                "map_load_seconds",
-                "Time spent loading maps into memory since the server started",
-            ),
             registry,
         }
     }
@@ -111,11 +107,6 @@ impl Default for Metrics {
 impl Metrics {
     /// The media type of [`Metrics::text`].
     pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-
-    /// Returns the time since the server started.
-    pub fn uptime(&self) -> Duration {
-        self.started.elapsed()
-    }
 
     /// Counts a response. The route is the pattern, never the path: one label per id would exhaust the memory.
     pub fn answered(&self, method: &str, route: &str, status: u16, took: Duration) {
@@ -150,30 +141,42 @@ impl Metrics {
         self.forwarded.get_or_create(&[("outcome", outcome)]).inc();
     }
 
-    /// Returns all metrics, with the current gauges.
-    pub fn text(&self, figures: &Figures) -> String {
-        for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
-            gauge.set(read(figures));
-        }
-        for (decision, count) in figures.stats.verdicts.each() {
-            // Verdicts never given are omitted.
-            if count > 0 {
-                let label = [("verdict", decision.as_str())];
-                self.verdicts.get_or_create(&label).inner().store(count, Ordering::Relaxed);
-            }
+    /// Returns all metrics: those that are counted here, and figures of this moment. Requests are by each good key, the oldest first.
+    pub fn text(&self, stats: &Stats, key_requests: &[(KeySeq, u64)]) -> String {
+        for (decision, count) in &stats.verdicts {
+            let label = [("verdict", decision.as_str())];
+            self.verdicts.get_or_create(&label).inner().store(*count, Ordering::Relaxed);
         }
         // The oldest keys have labels of their own, so that a label never changes its meaning.
-        let (named, rest) = figures.key_requests.split_at(figures.key_requests.len().min(KEYS_NAMED));
+        let (named, rest) = key_requests.split_at(key_requests.len().min(KEYS_NAMED));
         let rest =
             (!rest.is_empty()).then(|| ("other".to_owned(), rest.iter().map(|(_, count)| count).sum()));
         for (key, count) in named.iter().map(|(seq, count)| (seq.public(), *count)).chain(rest) {
             self.by_key.get_or_create(&[("key", key)]).inner().store(count, Ordering::Relaxed);
         }
-        self.map_load.set(figures.stats.loads.load_microseconds as f64 / 1e6);
         let mut out = String::new();
         // Writing to a string does not fail.
-        let _ = text::encode(&mut out, &self.registry);
+        let _ = text::encode_registry(&mut out, &self.registry);
+        let _ = text::encode(&mut out, &self.of_this_moment(stats));
         out
+    }
+
+    /// Returns the gauges that are read on request.
+    fn of_this_moment(&self, stats: &Stats) -> Registry {
+        let mut registry = Registry::with_prefix(PREFIX);
+        let Process { resident_bytes, open_fds } = Process::now();
+        let own = [
+            ("resident_memory_bytes", "Resident memory of the process; 0 if unknown", resident_bytes),
+            ("open_fds", "Open files and connections of the process; 0 if unknown", open_fds),
+            ("uptime_seconds", "Time since the server started", self.started.elapsed().as_secs()),
+        ];
+        for (name, help, value) in stats.figures.iter().chain(&own) {
+            registered::<Gauge<u64, AtomicU64>>(&mut registry, name, help).set(*value);
+        }
+        let help = "Time spent loading maps into memory since the server started";
+        let map_load: Gauge<f64, AtomicU64> = registered(&mut registry, "map_load_seconds", help);
+        map_load.set(stats.loads.load_microseconds as f64 / 1e6);
+        registry
     }
 }
 
@@ -184,22 +187,22 @@ fn known(method: &str) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
-    use crate::domain::key::KeySeq;
     use crate::domain::verdict::Decision;
-    use crate::engine::{Stats, VerdictCounts};
 
     #[test]
     fn requests_verdicts_and_stats_are_told() {
         let metrics = Metrics::default();
         metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
-        let mut verdicts = VerdictCounts::default();
-        verdicts.add(Decision::Loop);
-        let stats = Stats { keyframes: 7, verdicts, ..Stats::default() };
+        let verdicts = BTreeMap::from([(Decision::Loop, 1)]);
+        let figures = vec![("keyframes", "Keyframes of all maps in memory", 7)];
+        let stats = Stats { figures, verdicts, ..Stats::default() };
         let requests = |seq| (KeySeq(seq), if seq == 1 { 3 } else { 1 });
-        let key_requests = (1..=KEYS_NAMED as i64 + 2).map(requests).collect();
-        let text = metrics.text(&Figures { stats, key_requests, ..Figures::default() });
+        let key_requests: Vec<_> = (1..=KEYS_NAMED as i64 + 2).map(requests).collect();
+        let text = metrics.text(&stats, &key_requests);
         for line in [
             r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,
             r#"revisit_http_requests_total{method="other",route="unmatched",status="4xx"} 1"#,

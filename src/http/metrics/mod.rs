@@ -1,5 +1,4 @@
 //! Metrics in the text format of Prometheus.
 
 pub mod counters;
-pub mod gauges;
 pub mod process;

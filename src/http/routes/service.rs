@@ -20,8 +20,6 @@ use crate::http::extract::body::Body;
 use crate::http::extract::path::BackupPath;
 use crate::http::extract::query::{Paging, Query};
 use crate::http::metrics::counters::Metrics;
-use crate::http::metrics::gauges::Figures;
-use crate::http::metrics::process::Process;
 use crate::http::problem::{Kind, Problem};
 use crate::store::Disk;
 
@@ -89,13 +87,9 @@ pub async fn get_version(State(service): State<Service>) -> Answer<Version> {
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     app.metrics.open_now(app.slots.open(), app.service.pressure().working());
     // Nothing here waits for the database or another request, because operators need metrics most under load.
-    let figures = Figures {
-        stats: app.service.stats(),
-        key_requests: app.service.keys().uses().into_iter().map(|(seq, uses)| (seq, uses.requests)).collect(),
-        process: Process::now(),
-        uptime_s: app.metrics.uptime().as_secs(),
-    };
-    ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&figures))
+    let uses = app.service.keys().uses().into_iter();
+    let requests: Vec<_> = uses.map(|(seq, uses)| (seq, uses.requests)).collect();
+    ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&app.service.stats(), &requests))
 }
 
 /// Read this document
