@@ -14,8 +14,9 @@ use crate::engine::error::refuse;
 use crate::engine::limits::quota::check_merge;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Result, Service, ServiceError};
+use crate::recognition::anchors::observations::ObservationsChanged;
 use crate::recognition::anchors::session_merge::{
-    SessionsMerged, is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
+    is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
 };
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
@@ -76,7 +77,7 @@ impl Service {
             }
             check_merge(&room, index, &request, &keyframes)?;
             let changed = merge_sessions(index, session, &request);
-            let SessionsMerged { keyframes, map_points, merged, decided } = changed;
+            let ObservationsChanged { keyframes, map_points, merged, decided } = changed;
             Ok(Decision::Changed(ChangedCounts { keyframes, map_points, merged }, decided, None))
         };
         self.change(&live, decide).await
