@@ -127,7 +127,7 @@ impl ToValue for &Arc<str> {
 }
 
 reads! {
-    [u8; 32], from &'r [u8]: |bytes| Ok(bytes.try_into()?);
+    [u8; 32], from &'r [u8]: |bytes| bytes.try_into().map_err(|_| "a digest of another length".into());
     [f64; 3], from &'r [u8]: |bytes| Ok(unpack_array(bytes)?);
     [f64; 4], from &'r [u8]: |bytes| Ok(unpack_array(bytes)?);
     Point3, from &'r [u8]: |bytes| Ok(Self::from(unpack_array::<f64, 3>(bytes)?));
