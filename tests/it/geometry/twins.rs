@@ -111,7 +111,7 @@ async fn twins_are_a_version_of_their_own_and_the_same_however_keyframes_are_sen
     let one_by_one = server.get("/v1/maps/m").await.expect(200);
     assert_eq!(one_by_one["twins"].as_array().unwrap().len(), 1, "{one_by_one}");
     // The map, its four keyframes, and the twins.
-    assert_eq!(one_by_one["version"], 1 + 4 + 1, "{one_by_one}");
+    assert_eq!(one_by_one["map_version"], 1 + 4 + 1, "{one_by_one}");
 
     server.put("/v1/maps/bulk", &json!({"settings": geometry_alone()})).await.expect(201);
     let lines = [("a", "901"), ("b", "902")].into_iter().flat_map(|(session, plate)| {
@@ -124,7 +124,10 @@ async fn twins_are_a_version_of_their_own_and_the_same_however_keyframes_are_sen
     let body: String = lines.collect();
     server.send(Method::POST, "/v1/maps/bulk/keyframes", "application/x-ndjson", body).await.expect(200);
     let at_once = server.get("/v1/maps/bulk").await.expect(200);
-    assert_eq!((&at_once["twins"], &at_once["version"]), (&one_by_one["twins"], &one_by_one["version"]));
+    assert_eq!(
+        (&at_once["twins"], &at_once["map_version"]),
+        (&one_by_one["twins"], &one_by_one["map_version"])
+    );
 }
 
 #[tokio::test]
