@@ -122,7 +122,7 @@ async fn every_damage_is_found() {
         ),
         ("update crops set bytes = x'00' where keyframe = 0", "is no such image"),
         ("update loop_queries set body = substr(body, 1, 20)", "is damaged"),
-        ("update events set kind = 'nothing' where seq = 1", "event nothing"),
+        ("update events set kind = 'nothing' where seq = 1", "column \"kind\": \"nothing\" is none"),
         (
             "update maps set settings = replace(settings, ':12', ':\"many\"')",
             "covisibility_min_shared_points",
