@@ -84,7 +84,7 @@ pub struct Setting {
     pub unit: Option<&'static str>,
     /// Its values.
     pub kind: SettingKind,
-    /// Where it starts.
+    /// Its default.
     pub default: SettingValue,
     /// The value in the paper's method, where that differs from ours by more than a threshold of the paper.
     pub paper: Option<SettingValue>,

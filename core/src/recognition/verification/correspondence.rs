@@ -116,7 +116,7 @@ impl Map {
 #[derive(Clone, Copy, Debug)]
 pub struct Hypothesis {
     pub(super) cameras: Cameras,
-    /// What maps points of the query's frame into the candidate's.
+    /// The transformation of points of the query's frame into the candidate's.
     pub(super) candidate_from_query: Map,
     pub(super) query_from_candidate: Map,
 }

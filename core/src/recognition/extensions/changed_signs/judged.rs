@@ -46,8 +46,9 @@ pub fn judge(index: &mut MapIndex, passages: &[Passage], places: &[Option<Point3
     let mut record = Recorder::new(index);
     for (passage, found) in passages.iter().zip(places) {
         let index = record.index();
-        if read_alike(index, passage) > 0 {
-            see_again(&mut record, passage);
+        let reads = read_alike(index, passage);
+        if reads > 0 {
+            see_again(&mut record, passage, reads);
         } else if may_have_missed(index, passage) {
             let place = if tracked_here(index, passage) { Some(passage.sign.centre) } else { *found };
             if let Some(place) = place {
@@ -59,11 +60,10 @@ pub fn judge(index: &mut MapIndex, passages: &[Passage], places: &[Option<Point3
     (!decided.changes.is_empty()).then_some(decided)
 }
 
-/// The passage saw the sign as it is called.
-fn see_again(record: &mut Recorder<'_>, passage: &Passage) {
+/// The passage saw the sign as it is called, in so many keyframes.
+fn see_again(record: &mut Recorder<'_>, passage: &Passage, reads: usize) {
     let (index, root) = (record.index(), passage.sign.root);
     let Some(object) = index.objects().get(root) else { return };
-    let reads = read_alike(index, passage);
     let members = object.members.clone();
     let mut changes = Vec::new();
     let returns = object.state == AnchorState::Retired && reads >= RETURNING_READS;

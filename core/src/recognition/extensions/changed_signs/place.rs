@@ -38,7 +38,7 @@ const SEED: u64 = 0;
 pub struct Look {
     settings: Settings,
     metric: bool,
-    /// Where the sign hangs in the session's frame.
+    /// The sign's centre in the session's frame.
     sign: Point3,
     query: (KeyframeSeq, GeometrySnapshot),
     candidate: (KeyframeSeq, GeometrySnapshot),
