@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use proc_macro2::{Literal, TokenStream as Tokens, TokenTree};
 
-/// What `#[schema(...)]` and `#[param(...)]` say, by its name.
+/// The values of `#[schema(...)]` and `#[param(...)]`, by name.
 #[derive(Default)]
 pub struct Bounds(HashMap<String, Vec<TokenTree>>);
 
