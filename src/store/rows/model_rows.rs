@@ -136,9 +136,9 @@ pub(in crate::store) fn add_reading(
         on conflict (map_key, keyframe, detection) do update
         set text = excluded.text, source = excluded.source, described = excluded.described,
             degraded = excluded.degraded, fingerprint = excluded.fingerprint, dialogue = excluded.dialogue";
-    let at = (map, read.keyframe, read.detection);
+    let (keyframe, detection) = (read.keyframe, read.detection);
     let values =
-        (at.0, at.1, at.2, text, source, *described, *degraded, &read.fingerprint, dialogue, version);
+        (map, keyframe, detection, text, source, *described, *degraded, &read.fingerprint, dialogue, version);
     Ok(sql::statement(insert, values))
 }
 
