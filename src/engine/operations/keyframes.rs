@@ -43,7 +43,7 @@ pub struct PendingKeyframe {
     begun: Begun<Put>,
 }
 
-/// What geometry has to look at once a keyframe is stored.
+/// The suspects and passages that geometry has to look at once a keyframe is stored.
 #[derive(Default)]
 struct LeftToVerify {
     /// Views that may be twins of its own (M16).
