@@ -26,7 +26,7 @@ pub struct Budget {
 #[derive(Debug, Default)]
 struct Books {
     today: i64,
-    /// What each payer spent today: the server everything, a key its own part.
+    /// The spending of each payer today: of the server everything, of a key its own part.
     day: BTreeMap<i64, Totals>,
     /// By operation and model, since the database was created.
     ever: BTreeMap<(String, String), Totals>,
