@@ -95,7 +95,7 @@ pub fn take_image(world: &World, stand: &Stand, missed_share: f64, rng: &mut See
     Image { features, signs }
 }
 
-/// What a camera looks from, and the walls that may hide what it looks at.
+/// The place of a camera, and the walls that may hide what it looks at.
 struct View {
     at: Flat,
     map_from_camera: Pose,
