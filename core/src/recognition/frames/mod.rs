@@ -16,6 +16,7 @@ pub mod consensus;
 pub mod cycle;
 pub mod fleet;
 pub mod measurement;
+pub mod pose_graph;
 pub mod refinement;
 pub mod tree;
 
