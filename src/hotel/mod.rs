@@ -8,7 +8,7 @@
 //! | a complete floor | [`building::world`] |
 //! | the robot's route | [`route`] |
 //! | the output of its camera and detector | [`sensing::camera`], [`sensing::sensor`], [`sensing::reader`], [`sensing::ocr`], [`sensing::tracking`] |
-//! | its pose estimates | [`sensing::odometry`], [`robot::pose_graph`], [`robot::scale_graph`] |
+//! | its pose estimates | [`sensing::odometry`], [`robot::pose_graph`] |
 //! | all sensor data of a tour | [`sequence`] |
 //! | the same without depth | [`sensing::monocular`], [`sensing::triangulation`] |
 //! | changing door numbers | [`building::renumbering`] |

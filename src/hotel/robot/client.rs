@@ -4,7 +4,7 @@
 //! experiment.
 
 use super::message;
-use super::pose_graph::{Edge, PoseGraphError, Sigma, optimise};
+use super::pose_graph::{Edge, Sigma, UnknownPose, optimise};
 use super::slam_map::SlamMap;
 use crate::api::loops::LoopBody;
 use crate::api::verdict::LoopAnswer;
@@ -36,9 +36,9 @@ pub enum DriveError {
     /// The server rejected a request or was unreachable.
     #[error(transparent)]
     Client(#[from] ClientError),
-    /// The pose graph has no solution.
+    /// An edge of the pose graph leads nowhere.
     #[error(transparent)]
-    PoseGraph(#[from] PoseGraphError),
+    PoseGraph(#[from] UnknownPose),
 }
 
 /// A robot during a run.

@@ -5,5 +5,4 @@ pub mod common_regions;
 pub mod loop_closing;
 pub mod message;
 pub mod pose_graph;
-pub mod scale_graph;
 pub mod slam_map;

@@ -1,32 +1,21 @@
 //! Pose graph: reconciles the robot's odometry and loops.
 //!
 //! Poses are similarities: the scale of a camera's frame is the length of its unit in the map, 1 where depth is
-//! measured. Scales are solved first ([`super::scale_graph`]), then poses with translations of those lengths. ORB-SLAM
-//! solves both at once (H. Strasdat, J. M. M. Montiel and A. J. Davison, RSS 2010).
+//! measured. Scales are solved first, then poses with translations of those lengths. ORB-SLAM solves both at once
+//! (H. Strasdat, J. M. M. Montiel and A. J. Davison, RSS 2010).
 //!
-//! The solver is factrs (Levenberg-Marquardt over SE(3) with sparse Cholesky). It is maintained, differentiates the
-//! residuals automatically, and without its `rayon` feature gives the same bytes for the same graph. It uses its own
-//! version of nalgebra, so poses are converted here and nowhere else.
+//! The steps are the core's (`frames::pose_graph`), damped as Levenberg and Marquardt did: each is tried, and shortened
+//! until the graph agrees better than before.
 
-use factrs::core::{BetweenResidual, GaussianNoise, Graph, LevenMarquardt, PriorResidual, SE3, SO3, Values};
-use factrs::fac;
-use factrs::linalg::Vector3;
-use factrs::optimizers::{LevenParams, OptError};
-use factrs::traits::Optimizer as _;
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{UnitQuaternion, Vector3};
 
-use super::scale_graph::{self, Ratio};
-use crate::geometry::Sim3;
+use crate::geometry::{Point3, Pose, Sim3};
+use crate::recognition::frames::pose_graph::{self, step};
 
-mod symbols {
-    use factrs::assign_symbols;
-    use factrs::core::SE3;
-    assign_symbols!(X: SE3);
-}
-use symbols::X;
-
-/// Standard deviation of the fixed first pose, in metres and radians.
-const ANCHOR_SIGMA: f64 = 1e-6;
+/// The share that is added to the system's diagonal at first, by which it changes, and from which on no step is left.
+const DAMPING: f64 = 1e-5;
+const DAMPING_STEP: f64 = 10.0;
+const DAMPING_MAX: f64 = 1e6;
 /// The solver stops when an iteration reduces the cost by less than this share.
 const MIN_RELATIVE_GAIN: f64 = 1e-4;
 /// Maximum iterations. False loops contradict each other, and their optimum is useless.
@@ -56,93 +45,97 @@ pub struct Sigma {
     pub log_scale: f64,
 }
 
-/// The reason why there is no solution.
+/// An edge names a pose that does not exist.
 #[derive(Debug, thiserror::Error)]
-pub enum PoseGraphError {
-    /// An edge names a pose that does not exist.
-    #[error("an edge leads from pose {from} to pose {to}, of {poses}")]
-    UnknownPose {
-        /// The first pose it names.
-        from: usize,
-        /// The second pose.
-        to: usize,
-        /// The number of poses.
-        poses: usize,
-    },
-    /// The linear system cannot be solved.
-    #[error("the pose graph's equations cannot be solved")]
-    Unsolvable,
+#[error("an edge leads from pose {from} to pose {to}, of {poses}")]
+pub struct UnknownPose {
+    /// The first pose it names.
+    pub from: usize,
+    /// The second pose.
+    pub to: usize,
+    /// The number of poses.
+    pub poses: usize,
 }
 
 /// Moves the poses, `map_from_camera`, to agree best with the edges; the first stays.
-pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError> {
-    let Some(first) = poses.first().copied() else { return Ok(()) };
+pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), UnknownPose> {
     if let Some(edge) = edges.iter().find(|edge| edge.from.max(edge.to) >= poses.len()) {
-        return Err(PoseGraphError::UnknownPose { from: edge.from, to: edge.to, poses: poses.len() });
+        return Err(UnknownPose { from: edge.from, to: edge.to, poses: poses.len() });
     }
-    let scales = scales(poses, edges)?;
-    let mut graph = Graph::new();
-    let anchor = GaussianNoise::<6>::from_scalar_sigma(ANCHOR_SIGMA);
-    graph.add_factor(fac![PriorResidual::new(to_factrs(&first)), X(0), anchor]);
-    for edge in edges {
-        let noise = GaussianNoise::<6>::from_split_sigma(edge.sigma.rad, edge.sigma.m);
-        let measured = edge.from_from_to;
-        let length = Vector3::from(measured.translation_m()) * scales[edge.from];
-        let residual =
-            BetweenResidual::new(SE3::from_rot_trans(rotation_to_factrs(measured.rotation()), length));
-        graph.add_factor(fac![residual, (X(edge.from as u32), X(edge.to as u32)), noise]);
-    }
-    let mut values = Values::new();
-    for (number, pose) in poses.iter().enumerate() {
-        values.insert(X(number as u32), to_factrs(pose));
-    }
-    let mut params = LevenParams::default();
-    params.base.max_iterations = MAX_ITERATIONS;
-    params.base.error_tol_relative = MIN_RELATIVE_GAIN;
-    let solved = match LevenMarquardt::new(params, graph).optimize(values) {
-        // The best result after the maximum of iterations is the answer.
-        Ok(solved) | Err(OptError::MaxIterations(solved)) => solved,
-        // No step improves it, so it is already optimal.
-        Err(OptError::FailedToStep) => return Ok(()),
-        Err(OptError::InvalidSystem) => return Err(PoseGraphError::Unsolvable),
+    let scales = scales(poses, edges);
+    let measured = |edge: &Edge| {
+        let length = Vector3::from(edge.from_from_to.translation_m()) * scales[edge.from];
+        between(edge, *edge.from_from_to.rotation(), length, [edge.sigma.m, edge.sigma.rad])
     };
-    for (number, (pose, scale)) in poses.iter_mut().zip(scales).enumerate() {
-        let solved: &SE3 = solved.get(X(number as u32)).ok_or(PoseGraphError::Unsolvable)?;
-        *pose = from_factrs(solved, scale);
+    let mut solved: Vec<Pose> = poses.iter().map(Sim3::without_scale).collect();
+    fit(&mut solved, &edges.iter().map(measured).collect::<Vec<_>>());
+    for ((pose, solved), scale) in poses.iter_mut().zip(solved).zip(scales) {
+        *pose = Sim3::scaled(solved, scale);
     }
     Ok(())
 }
 
 /// Returns the scale of each pose that agrees best with the edges; unchanged if no edge has a different one.
-fn scales(poses: &[Sim3], edges: &[Edge]) -> Result<Vec<f64>, PoseGraphError> {
+///
+/// In the logarithm of the scale this is linear least squares over a graph with one number per frame: a graph of poses along a line.
+fn scales(poses: &[Sim3], edges: &[Edge]) -> Vec<f64> {
     if edges.iter().all(|edge| edge.from_from_to.scale() == 1.0) {
-        return Ok(poses.iter().map(Sim3::scale).collect());
+        return poses.iter().map(Sim3::scale).collect();
     }
-    let ratio = |edge: &Edge| Ratio {
-        from: edge.from,
-        to: edge.to,
-        log_ratio: edge.from_from_to.scale().ln(),
-        sigma: edge.sigma.log_scale,
+    let along = |logarithm: f64| Vector3::new(logarithm, 0.0, 0.0);
+    let at = |pose: &Sim3| {
+        Pose::from(nalgebra::Isometry3::from_parts(
+            along(pose.scale().ln()).into(),
+            UnitQuaternion::identity(),
+        ))
     };
-    let ratios: Vec<Ratio> = edges.iter().map(ratio).collect();
-    let log_scales: Vec<f64> = poses.iter().map(|pose| pose.scale().ln()).collect();
-    let solved = scale_graph::solve(&log_scales, &ratios).ok_or(PoseGraphError::Unsolvable)?;
-    Ok(solved.into_iter().map(f64::exp).collect())
+    let ratio = |edge: &Edge| {
+        let logarithm = along(edge.from_from_to.scale().ln());
+        between(edge, UnitQuaternion::identity(), logarithm, [edge.sigma.log_scale, 1.0])
+    };
+    let mut solved: Vec<Pose> = poses.iter().map(at).collect();
+    fit(&mut solved, &edges.iter().map(ratio).collect::<Vec<_>>());
+    solved.iter().map(|pose| pose.translation_m()[0].exp()).collect()
 }
 
-fn to_factrs(pose: &Sim3) -> SE3 {
-    SE3::from_rot_trans(rotation_to_factrs(pose.rotation()), Vector3::from(pose.translation_m()))
+fn between(
+    edge: &Edge,
+    rotation: UnitQuaternion<f64>,
+    translation: Vector3<f64>,
+    [m, rad]: [f64; 2],
+) -> pose_graph::Edge {
+    pose_graph::Edge {
+        a: edge.from,
+        b: edge.to,
+        a_from_b: Pose::from(nalgebra::Isometry3::from_parts(translation.into(), rotation)),
+        at: Point3::origin(),
+        unit_m: m,
+        unit_rad: rad,
+    }
 }
 
-fn rotation_to_factrs(rotation: &UnitQuaternion<f64>) -> SO3 {
-    let q = rotation.quaternion();
-    SO3::from_xyzw(q.i, q.j, q.k, q.w)
-}
-
-fn from_factrs(pose: &SE3, scale: f64) -> Sim3 {
-    let (q, t) = (pose.rot(), pose.xyz());
-    let rotation = UnitQuaternion::from_quaternion(Quaternion::new(q.w(), q.x(), q.y(), q.z()));
-    Sim3::from_parts(scale, rotation, [t[0], t[1], t[2]].into())
+/// Steps until one gains little. The first pose is held.
+fn fit(poses: &mut Vec<Pose>, edges: &[pose_graph::Edge]) {
+    let cost = |poses: &[Pose]| edges.iter().map(|edge| edge.residual(poses).square()).sum::<f64>();
+    let (mut best, mut damping) = (cost(poses), DAMPING);
+    for _ in 0..MAX_ITERATIONS {
+        let mut moved = poses.clone();
+        step(&mut moved, |number| number == 0, edges.iter().map(|edge| (edge, 1.0)), damping);
+        let reached = cost(&moved);
+        if reached < best {
+            *poses = moved;
+            if best - reached < MIN_RELATIVE_GAIN * best {
+                break;
+            }
+            best = reached;
+            damping /= DAMPING_STEP;
+        } else {
+            damping *= DAMPING_STEP;
+            if damping > DAMPING_MAX {
+                break;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -215,6 +208,32 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_of_scales_is_shared_out_by_what_each_ratio_scatters_by() {
+        // A chain with three unchanged ratios, one of them less certain, and a certain loop of 0.4 in total.
+        let ratio = |from, to, log_ratio: f64, log_scale| Edge {
+            from,
+            to,
+            from_from_to: Sim3::from_parts(log_ratio.exp(), UnitQuaternion::identity(), Vector3::zeros()),
+            sigma: Sigma { m: 1.0, rad: 1.0, log_scale },
+        };
+        let edges = [
+            ratio(0, 1, 0.0, 0.1),
+            ratio(1, 2, 0.0, 0.1),
+            ratio(2, 3, 0.0, 0.1 * 2.0_f64.sqrt()),
+            ratio(0, 3, 0.4, 1e-4),
+        ];
+        let mut poses = [Sim3::identity(); 4];
+        optimise(&mut poses, &edges).expect("a solution");
+        for (pose, expected) in poses.iter().zip([0.0, 0.1, 0.2, 0.4]) {
+            assert!(
+                (pose.scale().ln() - expected).abs() < 1e-5,
+                "{} instead of {expected}",
+                pose.scale().ln()
+            );
+        }
+    }
+
+    #[test]
     fn without_a_loop_nothing_moves() {
         let (_, drifted, edges, _) = ring(50, 1.0);
         let mut poses = drifted.clone();
@@ -239,6 +258,6 @@ mod tests {
         let (_, mut poses, mut edges, mut closing) = ring(10, 1.0);
         closing.to = 10;
         edges.push(closing);
-        assert!(matches!(optimise(&mut poses, &edges), Err(PoseGraphError::UnknownPose { to: 10, .. })));
+        assert!(matches!(optimise(&mut poses, &edges), Err(UnknownPose { to: 10, .. })));
     }
 }
