@@ -68,7 +68,7 @@ proptest! {
         system.diagonal[0] += Matrix6::identity() * 1e6;
         system.damp(damping);
         let solution = system.solve();
-        let length = |of: &[Vector6<f64>]| of.iter().map(|block| block.norm_squared()).sum::<f64>().sqrt();
+        let length = |of: &[Vector6<f64>]| of.iter().map(Vector6::norm_squared).sum::<f64>().sqrt();
         let rest: Vec<Vector6<f64>> = system.times(&solution).iter().zip(&system.right).map(|(a, b)| a - b).collect();
         prop_assert!(length(&rest) <= 1e-6 * length(&system.right), "{} of {}", length(&rest), length(&system.right));
     }
