@@ -54,5 +54,6 @@ mod two_laps;
 mod untaken;
 #[cfg(feature = "hotel")]
 mod verdict_list;
+#[cfg(feature = "hotel")]
 mod verdicts;
 mod vocabulary;
