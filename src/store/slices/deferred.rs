@@ -9,13 +9,12 @@
 //! plain assignment: folding a part twice changes nothing.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use sqlx::AssertSqlSafe;
 
 use crate::domain::change::Change;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
-use crate::geometry::{Point3, Pose};
+use crate::domain::ids::KeyframeSeq;
+use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::cost;
 use crate::store::commit::job::{Batch, Job, MapKey};
@@ -129,51 +128,6 @@ pub(in crate::store) async fn for_each(
     }
 }
 
-/// The values that wait for their rows, each as the last change sets it: however often a map was corrected, they are no more than it has.
-#[derive(Default)]
-struct Last {
-    poses: BTreeMap<KeyframeSeq, Pose>,
-    /// None: forgotten.
-    points: BTreeMap<(SessionSeq, PointId), Option<Point3>>,
-    positions: BTreeMap<(KeyframeSeq, u16), (AnchorSeq, Point3)>,
-    /// Of an anchor's versions the largest counts.
-    anchors: BTreeMap<AnchorSeq, u64>,
-}
-
-impl Last {
-    fn set(&mut self, change: Change) {
-        match change {
-            Change::PoseSet(keyframe, pose) => drop(self.poses.insert(keyframe, pose)),
-            Change::PointSet(session, id, at) => drop(self.points.insert((session, id), Some(at))),
-            Change::PointsForgotten(session, ids) => {
-                self.points.extend(ids.iter().map(|id| ((session, *id), None)));
-            }
-            Change::PositionSet(anchor, keyframe, detection, at) => {
-                self.positions.insert((keyframe, detection), (anchor, at));
-            }
-            Change::AnchorTouched(anchor, version) => {
-                let last = self.anchors.entry(anchor).or_default();
-                *last = version.max(*last);
-            }
-            _ => {}
-        }
-    }
-
-    fn into_changes(self) -> impl Iterator<Item = Change> {
-        let poses = self.poses.into_iter().map(|(keyframe, pose)| Change::PoseSet(keyframe, pose));
-        let points = self.points.into_iter().map(|((session, id), at)| match at {
-            Some(at) => Change::PointSet(session, id, at),
-            None => Change::PointsForgotten(session, [id].into()),
-        });
-        let position =
-            |((keyframe, detection), (anchor, at))| Change::PositionSet(anchor, keyframe, detection, at);
-        let positions = self.positions.into_iter().map(position);
-        let anchors =
-            self.anchors.into_iter().map(|(anchor, version)| Change::AnchorTouched(anchor, version));
-        poses.chain(points).chain(positions).chain(anchors)
-    }
-}
-
 /// Tells a map's deferred changes on top of its rows.
 pub(in crate::store) async fn apply(
     db: &mut Connection,
@@ -181,18 +135,19 @@ pub(in crate::store) async fn apply(
     known: &mut Known,
     take: &mut (impl FnMut(Vec<Change>) + Send),
 ) -> Result<(), StoreError> {
-    let mut last = Last::default();
-    for_each(db, map, None, |changes| changes.into_iter().for_each(|change| last.set(change))).await?;
-    let is_new = |change: &Change| match change {
-        Change::AnchorTouched(anchor, version) => known.anchors.get_mut(anchor).is_some_and(|anchor| {
-            let is_newer = anchor.version < *version;
-            anchor.version = anchor.version.max(*version);
-            is_newer
-        }),
-        _ => true,
+    let take = |mut changes: Vec<Change>| {
+        changes.retain(|change| match change {
+            // Of an anchor's versions the largest counts.
+            Change::AnchorTouched(anchor, version) => known.anchors.get_mut(anchor).is_some_and(|anchor| {
+                let is_newer = anchor.version < *version;
+                anchor.version = anchor.version.max(*version);
+                is_newer
+            }),
+            _ => true,
+        });
+        take(changes);
     };
-    take(last.into_changes().filter(is_new).collect());
-    Ok(())
+    for_each(db, map, None, take).await
 }
 
 /// Returns the deferred positions of a keyframe's detections, the latest last.
@@ -214,34 +169,4 @@ pub(in crate::store) async fn positions(
         for_each(db, map, Some(Kind::Positions), take).await?;
     }
     Ok(found)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn of_a_value_that_was_set_often_the_last_is_told_and_no_other() {
-        let at = |metres: f64| Point3::new(metres, 0.0, 0.0);
-        let (session, point, keyframe, anchor) = (SessionSeq(0), PointId(7), KeyframeSeq(3), AnchorSeq(2));
-        let mut last = Last::default();
-        for number in 1..=50_u32 {
-            let metres = f64::from(number);
-            last.set(Change::PoseSet(keyframe, Pose::identity()));
-            last.set(Change::PointSet(session, point, at(metres)));
-            last.set(Change::PointsForgotten(session, [PointId(8)].into()));
-            last.set(Change::PositionSet(anchor, keyframe, 0, at(metres)));
-            // An anchor's versions come in any order.
-            last.set(Change::AnchorTouched(anchor, 60 - u64::from(number)));
-        }
-        let told: Vec<Change> = last.into_changes().collect();
-        let expected = [
-            Change::PoseSet(keyframe, Pose::identity()),
-            Change::PointSet(session, point, at(50.0)),
-            Change::PointsForgotten(session, [PointId(8)].into()),
-            Change::PositionSet(anchor, keyframe, 0, at(50.0)),
-            Change::AnchorTouched(anchor, 59),
-        ];
-        assert_eq!(told, expected);
-    }
 }
