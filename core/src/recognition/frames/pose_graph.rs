@@ -2,7 +2,7 @@
 //! (G. Grisetti, R. Kümmerle, C. Stachniss and W. Burgard, "A tutorial on graph-based SLAM", 2010).
 //!
 //! A step's linear system is solved by conjugate gradients in blocks of six, preconditioned by an incomplete factor of the system
-//! without fill-in. It is the exact factor of a chain of poses, so that the steps are as many as there are loops to it.
+//! without fill-in. It is the exact factor of a chain of poses, so that iterations grow with the loops and not with the poses.
 
 use std::collections::BTreeMap;
 
@@ -121,13 +121,18 @@ pub fn step<'e>(
     }
     system.damp(damping);
     for (number, by) in unknown.into_iter().zip(system.solve()) {
-        let turn = UnitQuaternion::from_scaled_axis(by.fixed_rows::<3>(3).into_owned());
-        let before = poses[number].isometry();
-        let translation = turn * before.translation.vector + by.fixed_rows::<3>(0);
-        let mut rotation = turn * before.rotation;
-        rotation.renormalize();
-        poses[number] = Pose::from(Isometry3::from_parts(translation.into(), rotation));
+        poses[number] = moved(&poses[number], &by);
     }
+}
+
+/// Returns a pose after a small motion: a translation and a rotation vector, in the graph's frame.
+fn moved(pose: &Pose, by: &Vector6<f64>) -> Pose {
+    let turn = UnitQuaternion::from_scaled_axis(by.fixed_rows::<3>(3).into_owned());
+    let before = pose.isometry();
+    let translation = turn * before.translation.vector + by.fixed_rows::<3>(0);
+    let mut rotation = turn * before.rotation;
+    rotation.renormalize();
+    Pose::from(Isometry3::from_parts(translation.into(), rotation))
 }
 
 /// The normal equations: blocks on the diagonal, and one for each two unknown poses that an edge joins, the lower number first.

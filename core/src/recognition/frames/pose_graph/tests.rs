@@ -1,4 +1,4 @@
-//! The derivatives held against differences, and a step against one that is solved as a whole.
+//! The derivatives held against differences, and the solution of a system against the system.
 
 use proptest::prelude::*;
 
@@ -9,13 +9,6 @@ fn any_pose() -> impl Strategy<Value = Pose> {
         let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(turn));
         Pose::from(Isometry3::from_parts(Vector3::from(at).into(), rotation))
     })
-}
-
-fn moved(pose: &Pose, by: &Vector6<f64>) -> Pose {
-    let turn = UnitQuaternion::from_scaled_axis(by.fixed_rows::<3>(3).into_owned());
-    let before = pose.isometry();
-    let at = turn * before.translation.vector + by.fixed_rows::<3>(0);
-    Pose::from(Isometry3::from_parts(at.into(), turn * before.rotation))
 }
 
 proptest! {
