@@ -12,9 +12,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::geometry::{Point3, Pose, Sim3};
 use crate::recognition::frames::pose_graph::{self, step};
 
-/// The share that is added to the system's diagonal at first, by which it changes, and from which on no step is left.
+/// The share that is added to the system's diagonal at first.
 const DAMPING: f64 = 1e-5;
+/// The factor by which it falls after a step that helped, and grows after one that did not.
 const DAMPING_STEP: f64 = 10.0;
+/// Above it a step moves nothing any more.
 const DAMPING_MAX: f64 = 1e6;
 /// The solver stops when an iteration reduces the cost by less than this share.
 const MIN_RELATIVE_GAIN: f64 = 1e-4;
