@@ -136,7 +136,7 @@ fn quantile(list: &[f64], share: f64) -> f64 {
 }
 
 fn measure(short: bool) -> bool {
-    let (turns, lasts) = if short { (1, Duration::from_secs(3)) } else { (7, Duration::from_secs(10)) };
+    let (turns, lasts) = if short { (3, Duration::from_secs(3)) } else { (7, Duration::from_secs(10)) };
     let server = Server::start();
     let addr = server.addr;
     let rate = |seen: &Seen| seen.good_ms.len() as f64 / lasts.as_secs_f64();
