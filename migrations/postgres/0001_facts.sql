@@ -55,6 +55,8 @@ create table keyframes (
     stamp_nanosec bigint not null,
     -- map_from_camera: tx ty tz qx qy qz qw, as float64.
     pose bytea not null,
+    sent_pose bytea not null,
+    scale double precision not null,
     -- fx fy cx cy as float64, width height as uint32; null if the client did not tell.
     camera bytea,
     observes bytea not null,
@@ -387,7 +389,7 @@ create table versions (
     map_key bigint not null,
     version bigint not null,
     part bigint not null,
-    -- `said`, `moved`, `positions`, `passing` or `unsaid`.
+    -- `said`, `moved`, `passing` or `unsaid`.
     kind text collate "C" not null,
     body bytea not null,
     constraint versions_key primary key (map_key, version, part),

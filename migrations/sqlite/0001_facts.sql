@@ -70,6 +70,9 @@ create table keyframes (
     stamp_nanosec integer not null,
     -- map_from_camera: tx ty tz qx qy qz qw, as float64.
     pose blob not null,
+    -- As it was sent: the positions of its detections are of that time. By now lengths are `scale` times as long.
+    sent_pose blob not null,
+    scale real not null,
     -- fx fy cx cy as float64, width height as uint32; null if the client did not tell.
     camera blob,
     -- Columns of point numbers, ascending: all points observed, and those sent with a position.
@@ -136,7 +139,7 @@ create table detections (
     -- x0 y0 x1 y1 in pixels, as float64.
     box_px blob not null,
     map_points blob not null,
-    -- x y z in the session's frame, as float64; null if the client sent none.
+    -- x y z in the session's frame, as float64, as it was sent with the keyframe; null if the client sent none.
     position blob,
     text text,
     description text,
@@ -444,8 +447,7 @@ create table versions (
     -- 0 says what the version said, and makes it count. Those above hold poses and points of a large correction; they are written
     -- first, and wait for their rows. -1 is what models said before this version.
     part integer not null,
-    -- `said`; `moved`: poses and points, or values that were replaced; `positions` and
-    -- `passing`: go once they are in the rows; `unsaid`.
+    -- `said`; `moved`: poses and points, or values that were replaced; `passing`: goes once it is in the rows; `unsaid`.
     kind text not null,
     -- MessagePack, as `store/log/entry.rs` has it.
     body blob not null,

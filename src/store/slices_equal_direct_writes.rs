@@ -2,6 +2,7 @@
 //! leaves nothing of its map and everything of the others. Jobs that share a transaction leave what each of them leaves alone.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
 
@@ -19,7 +20,7 @@ use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::recognition::map::index::MapIndex;
 use crate::store::sql::{self, Connection, Pool};
 
@@ -137,8 +138,8 @@ fn changes_of(step: &Step, version: u64) -> Vec<Change> {
             let mut changes = Vec::new();
             for (keyframe, x) in poses {
                 let (seq, x) = (KeyframeSeq(*keyframe), f64::from(*x));
-                changes.push(Change::PositionSet(AnchorSeq(*keyframe), seq, 0, Point3::new(x, 2.0, 2.0)));
-                changes.push(Change::PoseSet(seq, Pose::new([x, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]).unwrap()));
+                let pose = Sim3::new(2.0, [x, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
+                changes.push(Change::PoseSet(seq, pose));
             }
             let set = |(session, id, x): &(u32, i64, i8)| {
                 Change::PointSet(SessionSeq(*session), *id, Point3::new(f64::from(*x), 0.0, 0.0))
@@ -171,12 +172,11 @@ async fn index_of(db: &mut Connection, order: Order) -> MapIndex {
 
 /// Returns every row that a deferred change may touch, as text.
 async fn rows_of(pool: &Pool) -> Vec<String> {
-    let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
-        union all select 'position ' || keyframe || ' ' || hex(position) from detections
+    let select = "select 'pose ' || keyframe || ' ' || hex(pose) || ' ' || scale from keyframes
         union all select 'anchor ' || anchor || ' ' || version from anchors
         union all select 'points ' || session || ' ' || block || ' ' || hex(points) from point_blocks
         union all select 'waits ' || map_key from maps where waits_version is not null
-        union all select 'left ' || version || ' ' || part from versions where kind in ('passing', 'positions')
+        union all select 'left ' || version || ' ' || part from versions where kind = 'passing'
         order by 1";
     sql::query_scalar(select).fetch_all(pool).await.unwrap()
 }
@@ -268,6 +268,36 @@ async fn dump(db: &mut Connection) -> Vec<String> {
         rows.extend(of_table);
     }
     rows
+}
+
+/// Returns the tens of steps that SQLite takes to read what waits after so many corrections of every keyframe.
+async fn steps_to_read(corrections: u64) -> u64 {
+    let (_folder, pool) = database().await;
+    let mut db = pool.acquire().await.unwrap();
+    make_map(&mut db, 1).await;
+    for version in 3..3 + corrections {
+        let poses = (0..KEYFRAMES).map(|keyframe| (keyframe, version as i8)).collect();
+        let step = Step::Correct { poses, points: Vec::new(), touched: Vec::new() };
+        for job in deferred::staged(Job::Change(Box::new(batch(1, version, changes_of(&step, version))))) {
+            execute(&mut db, &job).await;
+        }
+    }
+    let (steps, mut read) = (Arc::new(AtomicU64::new(0)), 0);
+    let Connection::PooledSqlite(sqlite) = &mut db else { panic!("a pool of SQLite") };
+    let counted = Arc::clone(&steps);
+    sqlite.lock_handle().await.unwrap().set_progress_handler(10, move || {
+        counted.fetch_add(1, Ordering::Relaxed);
+        true
+    });
+    deferred::for_each(&mut db, 1, |changes| read += changes.len() as u64).await.unwrap();
+    assert_eq!(read, corrections * u64::from(KEYFRAMES));
+    steps.load(Ordering::Relaxed)
+}
+
+#[test]
+fn what_waits_is_read_in_steps_that_grow_with_it() {
+    let (of_few, of_many) = wait(async { (steps_to_read(200).await, steps_to_read(800).await) });
+    assert!(of_few > 0 && of_many < 5 * of_few, "{of_few} and {of_many}");
 }
 
 fn wait<T>(future: impl Future<Output = T>) -> T {

@@ -18,8 +18,9 @@ pub struct Observation {
     pub confidence: f64,
     /// The map points in the detection's box, ascending.
     pub map_points: Box<[PointId]>,
-    /// The object's position, in the keyframe's session's frame.
-    pub position_in_session: Option<Point3>,
+    /// The object's position as it was sent with the keyframe, in its session's frame;
+    /// [`position_now`](super::change::Keyframe::position_now) tells where it is by now.
+    pub position_as_sent: Option<Point3>,
     /// Whether nothing measured the distance of that position.
     pub range_assumed: bool,
     /// The text that was read.

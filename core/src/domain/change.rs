@@ -31,6 +31,10 @@ pub struct Keyframe {
     pub stamp: Stamp,
     /// `map_from_camera` in the session's frame, as last corrected.
     pub map_from_camera: Pose,
+    /// `map_from_camera` as it was sent: positions of its detections are kept as they were sent with it.
+    pub sent_pose: Pose,
+    /// How much longer lengths are by now than they were then: sessions were merged with a scale.
+    pub scale: f64,
     /// The camera, if known.
     pub camera: Option<Camera>,
     /// Gravity in the camera frame, if known.
@@ -57,6 +61,8 @@ impl Keyframe {
             session,
             stamp: new.stamp,
             map_from_camera: new.map_from_camera,
+            sent_pose: new.map_from_camera,
+            scale: 1.0,
             camera: new.camera,
             gravity: new.gravity,
             height_m: new.height_m,
@@ -76,6 +82,26 @@ impl Keyframe {
             height_m: self.height_m,
             ..NewKeyframe::at(self.id.clone(), self.stamp, self.map_from_camera)
         }
+    }
+
+    /// Returns its pose, with the scale of its lengths.
+    pub fn similarity(&self) -> Sim3 {
+        Sim3::scaled(self.map_from_camera, self.scale)
+    }
+
+    /// Moves it to another pose, with the scale of its lengths.
+    pub fn move_to(&mut self, map_from_camera: &Sim3) {
+        self.map_from_camera = map_from_camera.without_scale();
+        self.scale = map_from_camera.scale();
+    }
+
+    /// Returns where a detection is by now whose position was sent with it, in metres in the session's frame: it moves rigidly with
+    /// its camera, because what the camera saw does not change.
+    pub fn position_now(&self, as_sent: Point3) -> Point3 {
+        if self.map_from_camera == self.sent_pose && self.scale == 1.0 {
+            return as_sent;
+        }
+        self.similarity().transform(&self.sent_pose.inverse_transform(&as_sent))
     }
 
     /// Returns the covisible keyframes that the client declared.
@@ -216,8 +242,8 @@ pub enum Change {
     GlobalDescriptorSet(KeyframeSeq, Box<GlobalDescriptor>),
     /// A keyframe was culled, with its observations; its bag of words says which postings go.
     KeyframeRemoved(KeyframeSeq, Arc<BowVector>),
-    /// A keyframe's pose was corrected.
-    PoseSet(KeyframeSeq, Pose),
+    /// A keyframe's pose was corrected, with the scale of its lengths ([`Keyframe::similarity`]); its detections move with it.
+    PoseSet(KeyframeSeq, Sim3),
     /// A map point has this position now, in its session's frame.
     PointSet(SessionSeq, PointId, Point3),
     /// The last keyframe that observed these map points is gone, and they with it.
@@ -240,8 +266,6 @@ pub enum Change {
     PointsOfKeyframeSet(Box<PointsOfKeyframe>),
     /// A detection has these map points now, ascending.
     PointsOfDetectionSet(AnchorSeq, KeyframeSeq, u16, Box<[PointId]>),
-    /// A detection's position moved with its keyframe's corrected pose.
-    PositionSet(AnchorSeq, KeyframeSeq, u16, Point3),
     /// An operator overrides an anchor's description (`None`: no longer).
     DescriptionSet(AnchorSeq, Option<Box<str>>),
     /// Something about this anchor changed: this is its version now.

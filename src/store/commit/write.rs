@@ -16,9 +16,9 @@ use crate::store::rows::keyframe_rows::{Arrived, detections};
 use crate::store::rows::statement::run;
 use crate::store::rows::verdict_rows::KeptQuery;
 use crate::store::rows::{
-    changed_sign_rows, copied_rows, erasure_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows,
-    observation_rows, point_blocks, prior_rows, release_rows, retention_rows, session_merge_rows, traces,
-    transferred_rows, twin_rows, unsaid,
+    changed_sign_rows, copied_rows, erasure_rows, frame_rows, judgement_rows, key_rows, keyframe_rows,
+    map_rows, model_rows, observation_rows, point_blocks, prior_rows, release_rows, retention_rows,
+    session_merge_rows, traces, transferred_rows, twin_rows, unsaid,
 };
 use crate::store::slices::{deferred, deletion};
 use crate::store::sql::{self, Connection, Engine, Query};
@@ -247,20 +247,12 @@ async fn apply<'j>(rows: &mut Rows<'_, 'j>, batch: &'j Batch, change: &'j Change
         Change::KeyframeRemoved(seq, _) => {
             sql::statement("delete from keyframes where map_key = $1 and keyframe = $2", (map, *seq))
         }
-        Change::PoseSet(seq, pose) => {
-            let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-            sql::statement(update, (map, *seq, pose))
-        }
+        Change::PoseSet(seq, pose) => keyframe_rows::set_pose(map, *seq, pose),
         Change::PointsOfKeyframeSet(points) => observation_rows::set_points_of_keyframe(map, points),
         Change::PointsOfDetectionSet(_, keyframe, detection, points) => {
             observation_rows::set_points_of_detection(map, (*keyframe, *detection), points)
         }
         Change::PriorSet(seq, prior) => prior_rows::add(map, *seq, prior),
-        Change::PositionSet(_, keyframe, detection, at) => {
-            let update =
-                "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
-            sql::statement(update, (map, *keyframe, *detection, *at))
-        }
         Change::DescriptionSet(seq, text) => {
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
             sql::statement(update, (map, *seq, text.as_deref()))

@@ -32,7 +32,7 @@ impl Export {
         let (mut poses, mut points) = (Vec::new(), Vec::new());
         for change in changes {
             match change {
-                Change::PoseSet(keyframe, pose) => poses.push((keyframe, pose)),
+                Change::PoseSet(keyframe, pose) => poses.push((keyframe, pose.without_scale())),
                 Change::PointSet(session, id, at) => points.push((session, id, at)),
                 change => self.changes.push_back(change),
             }

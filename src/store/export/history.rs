@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 use crate::domain::change::Change;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::log::entry::Entry;
@@ -26,9 +26,8 @@ type Point = (SessionSeq, PointId);
 /// Values that are not those of their rows.
 #[derive(Default)]
 struct Values {
-    poses: HashMap<KeyframeSeq, Pose>,
+    poses: HashMap<KeyframeSeq, Sim3>,
     points: HashMap<Point, [f64; 3]>,
-    positions: HashMap<(KeyframeSeq, u16), Point3>,
 }
 
 impl Values {
@@ -40,9 +39,6 @@ impl Values {
             }
             Change::PointsForgotten(session, ids) => {
                 self.points.extend(ids.iter().map(|id| ((*session, *id), ABSENT)));
-            }
-            Change::PositionSet(_, keyframe, detection, at) => {
-                self.positions.insert((*keyframe, *detection), *at);
             }
             _ => {}
         }
@@ -60,7 +56,7 @@ pub(super) struct History {
     map: MapKey,
     /// Whether the map kept its history all the time.
     pub(super) is_whole: bool,
-    /// As they stand at the version that was reached; poses and positions of keyframes to come as they will be sent.
+    /// As they stand at the version that was reached; poses of keyframes to come as they will be sent.
     standing: Values,
     /// Of points that were forgotten: as they were when they came again.
     again: HashMap<Point, VecDeque<[f64; 3]>>,
@@ -80,7 +76,7 @@ impl History {
         };
         let waiting = &mut history.waiting;
         let take = |changes: Vec<Change>| changes.iter().for_each(|change| waiting.apply(change));
-        deferred::for_each(db, map, None, take).await?;
+        deferred::for_each(db, map, take).await?;
         // Points whose value is known that they have until they are forgotten.
         let mut known = HashSet::new();
         let mut last = 0;
@@ -103,9 +99,6 @@ impl History {
     fn learn(&mut self, former: FormerValues, known: &mut HashSet<Point>) {
         for (keyframe, pose) in former.poses {
             self.standing.poses.entry(keyframe).or_insert(pose);
-        }
-        for (keyframe, detection, at) in former.positions {
-            self.standing.positions.entry((keyframe, detection)).or_insert(at);
         }
         let mut stood = |point: Point, at: [f64; 3]| {
             if known.insert(point) {
@@ -140,14 +133,8 @@ impl History {
     }
 
     /// Returns a keyframe's pose, if it is not that of its row.
-    pub(super) fn pose(&self, keyframe: KeyframeSeq) -> Option<Pose> {
+    pub(super) fn pose(&self, keyframe: KeyframeSeq) -> Option<Sim3> {
         self.standing.poses.get(&keyframe).or_else(|| self.waiting.poses.get(&keyframe)).copied()
-    }
-
-    /// Returns a detection's position, if it is not that of its row.
-    pub(super) fn position(&self, keyframe: KeyframeSeq, detection: u16) -> Option<Point3> {
-        let at = (keyframe, detection);
-        self.standing.positions.get(&at).or_else(|| self.waiting.positions.get(&at)).copied()
     }
 
     /// Returns the positions of those points of a session that are there, in the order of `ids`.
@@ -173,14 +160,15 @@ impl History {
 
     /// Takes what stands in the end and the log does not tell of, because history was not kept then: poses, and points by session.
     pub(super) async fn untold(&mut self, db: &mut Connection) -> Result<Vec<Untold>, StoreError> {
-        let Values { poses, points, .. } = std::mem::take(&mut self.standing);
+        let Values { poses, points } = std::mem::take(&mut self.standing);
         let mut untold = Vec::new();
         let now = pose_rows(db, self.map, poses.keys().map(|keyframe| keyframe.0)).await?;
         let mut moved: Vec<_> = poses
             .into_iter()
             .filter_map(|(keyframe, told)| {
-                let now = self.pose(keyframe).or_else(|| now.get(&keyframe.0).copied())?;
-                (now != told).then_some((keyframe, now))
+                let waiting = self.pose(keyframe).map(|pose| pose.without_scale());
+                let now = waiting.or_else(|| now.get(&keyframe.0).copied())?;
+                (now != told.without_scale()).then_some((keyframe, now))
             })
             .collect();
         moved.sort_unstable_by_key(|(keyframe, _)| *keyframe);

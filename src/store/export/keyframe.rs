@@ -1,6 +1,7 @@
 //! A keyframe as it was sent: its row, with the pose and the positions of that time.
 
 use super::operation_reader::{Export, Step};
+use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, PointId};
 use crate::domain::keyframe::{Crop, Detection, NewKeyframe};
 use crate::domain::recorded::Recorded;
@@ -32,14 +33,17 @@ impl Export {
     }
 
     async fn as_sent(&mut self, row: &Row) -> Result<NewKeyframe, StoreError> {
-        let (keyframe, bow) = decode::keyframe(row)?;
+        let (mut keyframe, bow) = decode::keyframe(row)?;
         let (seq, session) = (keyframe.seq, keyframe.session);
+        if let Some(pose) = self.history.pose(seq) {
+            keyframe.move_to(&pose);
+        }
         self.begun.insert(session);
         self.merges.add_keyframe(session);
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let features = sql::query(select).bind(self.map).bind(seq).fetch_optional(&mut *self.db).await?;
         let observes: Vec<PointId> = keyframe.observes.iter().collect();
-        let detections = self.detections(seq).await?;
+        let detections = self.detections(&keyframe).await?;
         let mut points = read::sent_points(row)?;
         let of_detections = detections.iter().flat_map(|detection| detection.map_points.iter());
         points.extend(self.introduced.left_behind(session, observes.iter().chain(of_detections).copied()));
@@ -47,7 +51,6 @@ impl Export {
         map_points.sort_unstable_by_key(|(id, _)| *id);
         self.introduced.add(session, map_points.iter().map(|(id, _)| *id));
         Ok(NewKeyframe {
-            map_from_camera: self.history.pose(seq).unwrap_or(keyframe.map_from_camera),
             vocabulary: self.vocabulary.clone().filter(|_| !bow.is_empty()),
             bow,
             global_descriptor: decode::global_descriptor(row)?,
@@ -74,15 +77,14 @@ impl Export {
         Ok(named)
     }
 
-    async fn detections(&mut self, keyframe: KeyframeSeq) -> Result<Vec<Detection>, StoreError> {
+    async fn detections(&mut self, keyframe: &Keyframe) -> Result<Vec<Detection>, StoreError> {
         let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
-        let rows = sql::query(select).bind(self.map).bind(keyframe).fetch_all(&mut *self.db).await?;
+        let rows = sql::query(select).bind(self.map).bind(keyframe.seq).fetch_all(&mut *self.db).await?;
         let mut detections = Vec::with_capacity(rows.len());
         for row in &rows {
-            let number: u16 = row.try_get("detection")?;
             let mut detection = read::detection(row)?.detection;
-            detection.position_in_session =
-                self.history.position(keyframe, number).or(detection.position_in_session);
+            let position = detection.position_in_session.as_mut();
+            position.into_iter().for_each(|at| *at = keyframe.position_now(*at));
             detections.push(detection);
         }
         if detections.is_empty() {
@@ -90,7 +92,7 @@ impl Export {
         }
         let select = "select detection, bytes from crops where map_key = $1 and keyframe = $2";
         let crops: Vec<(u16, Vec<u8>)> =
-            sql::query_as(select).bind(self.map).bind(keyframe).fetch_all(&mut *self.db).await?;
+            sql::query_as(select).bind(self.map).bind(keyframe.seq).fetch_all(&mut *self.db).await?;
         for (number, bytes) in crops {
             let unknown = || StoreError::corrupt(format!("the crop of detection {number} is no image"));
             let media_type = Crop::media_type_of(&bytes).ok_or_else(unknown)?;

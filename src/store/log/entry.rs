@@ -67,7 +67,7 @@ pub(in crate::store) mod tests {
     use crate::domain::ids::{KeyframeSeq, SessionSeq};
     use crate::domain::map::MapProperties;
     use crate::domain::settings::SettingValue;
-    use crate::geometry::{Gravity, Point3, Pose};
+    use crate::geometry::{Gravity, Point3, Sim3};
     use crate::semantics::Patterns;
 
     /// The law of the form: what is written comes back as it was. Asked of all that is written in this crate's own tests.
@@ -79,9 +79,9 @@ pub(in crate::store) mod tests {
 
     /// The figures of docs/operators.md for `keep_history`.
     #[test]
-    fn a_corrected_point_takes_about_76_bytes_and_a_pose_146() {
+    fn a_corrected_point_takes_about_76_bytes_and_a_pose_166() {
         let at = |n: f64| Point3::new(n + 0.1, n + 0.2, n + 0.3);
-        let pose = |n: f64| Pose::new([n + 0.1, 0.2, 0.3], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
+        let pose = |n: f64| Sim3::new(1.0, [n + 0.1, 0.2, 0.3], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
         let (point, keyframe) =
             (|n: u32| (SessionSeq(0), 1000 + i64::from(n)), |n: u32| KeyframeSeq(1000 + n));
         let bytes = |changes: Vec<Change>, former: FormerValues| {
@@ -103,7 +103,7 @@ pub(in crate::store) mod tests {
             },
         );
         assert!((7_000..8_000).contains(&points), "{points}");
-        assert!((14_000..15_500).contains(&poses), "{poses}");
+        assert!((16_000..17_500).contains(&poses), "{poses}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::domain::change::Change;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::domain::map::MapProperties;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::Sim3;
 
 /// Changes, or former values, of one part. The small maps of tests have several parts, too.
 const PART: usize = if cfg!(test) { 4 } else { 128 };
@@ -21,8 +21,6 @@ pub(in crate::store) enum Kind {
     Unsaid,
     /// Poses and points that were set, or values that were replaced. They stay.
     Moved,
-    /// Positions of detections, until they are in the rows.
-    Positions,
     /// Anything else until it is in the rows.
     Passing,
 }
@@ -33,7 +31,6 @@ impl Kind {
             Self::Said => "said",
             Self::Unsaid => "unsaid",
             Self::Moved => "moved",
-            Self::Positions => "positions",
             Self::Passing => "passing",
         }
     }
@@ -65,8 +62,7 @@ fn place(change: &Change) -> Option<usize> {
         Change::PoseSet(..) => Some(0),
         Change::PointSet(..) => Some(1),
         Change::PointsForgotten(..) => Some(2),
-        Change::PositionSet(..) => Some(3),
-        Change::AnchorTouched(..) => Some(4),
+        Change::AnchorTouched(..) => Some(3),
         _ => None,
     }
 }
@@ -86,7 +82,7 @@ pub(in crate::store) fn moved<'c>(
     changes: impl Iterator<Item = Cow<'c, Change>>,
     keeps_history: bool,
 ) -> Vec<Part<'c>> {
-    let mut kinds: [Vec<Cow<'c, Change>>; 5] = Default::default();
+    let mut kinds: [Vec<Cow<'c, Change>>; 4] = Default::default();
     for change in changes {
         let Some(place) = place(&change) else { continue };
         match &*change {
@@ -100,7 +96,6 @@ pub(in crate::store) fn moved<'c>(
     let part = |changes: &[Cow<'c, Change>]| {
         let kind = match *changes[0] {
             Change::PoseSet(..) | Change::PointSet(..) if keeps_history => Kind::Moved,
-            Change::PositionSet(..) => Kind::Positions,
             _ => Kind::Passing,
         };
         Part { kind, entry: Entry { changes: changes.to_vec(), ..Entry::default() } }
@@ -110,17 +105,14 @@ pub(in crate::store) fn moved<'c>(
 
 /// Returns the parts of the values that a large correction replaced.
 pub(in crate::store) fn replaced(former: FormerValues) -> Vec<Part<'static>> {
-    let FormerValues { poses, points, forgotten, positions } = former;
+    let FormerValues { poses, points, forgotten } = former;
     let none = FormerValues::default;
     let poses = poses
         .chunks(PART)
-        .map(|some: &[(KeyframeSeq, Pose)]| FormerValues { poses: some.to_vec(), ..none() });
+        .map(|some: &[(KeyframeSeq, Sim3)]| FormerValues { poses: some.to_vec(), ..none() });
     let points = points.chunks(PART).map(|some| FormerValues { points: some.to_vec(), ..none() });
     let forgotten = forgotten.chunks(PART).map(|some| FormerValues { forgotten: some.to_vec(), ..none() });
-    let positions = positions
-        .chunks(PART)
-        .map(|some: &[(KeyframeSeq, u16, Point3)]| FormerValues { positions: some.to_vec(), ..none() });
-    let all = poses.chain(points).chain(forgotten).chain(positions);
+    let all = poses.chain(points).chain(forgotten);
     let part =
         |former| Part { kind: Kind::Moved, entry: Entry { former: Cow::Owned(former), ..Entry::default() } };
     all.map(part).collect()

@@ -13,9 +13,10 @@ use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Declared, Keyframe};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::keyframe::{Camera, Detection};
+use crate::geometry::Sim3;
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey, NewKeyframeRows};
-use crate::store::sql::{self, Connection};
+use crate::store::sql::{self, Connection, Query};
 
 /// A keyframe that arrived.
 pub(in crate::store) struct Arrived<'j> {
@@ -31,18 +32,25 @@ pub(in crate::store) fn declared_blob(declared: &Declared) -> Option<Vec<u8>> {
     declared.as_ref().map(|listed| pack(listed.iter().map(|(other, shared)| (other.0, *shared))))
 }
 
+/// Corrects a keyframe's pose.
+pub(in crate::store) fn set_pose(map: MapKey, keyframe: KeyframeSeq, map_from_camera: &Sim3) -> Query {
+    let update = "update keyframes set pose = $3, scale = $4 where map_key = $1 and keyframe = $2";
+    sql::statement(update, (map, keyframe, &map_from_camera.without_scale(), map_from_camera.scale()))
+}
+
 /// Adds the rows of keyframes, and of their features.
 pub(in crate::store) async fn add_keyframes(
     db: &mut Connection,
     arrived: &[Arrived<'_>],
 ) -> Result<(), StoreError> {
     let head =
-        "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
+        "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, sent_pose, scale, camera,
             observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, gravity, height_m, global_model, global_encoding, global_descriptor, stored_sec) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq).push_bind(&keyframe.id).push_bind(keyframe.session);
         row.push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
-        row.push_bind(&keyframe.map_from_camera).push_bind(keyframe.camera.map(camera_blob));
+        row.push_bind(&keyframe.map_from_camera).push_bind(&keyframe.sent_pose).push_bind(keyframe.scale);
+        row.push_bind(keyframe.camera.map(camera_blob));
         row.push_bind(integers(&keyframe.observes.to_vec()));
         row.push_bind(integers(&rows.keyframe.map_points.iter().map(|(id, _)| *id).collect::<Vec<_>>()));
         row.push_bind(declared_blob(&keyframe.declared));

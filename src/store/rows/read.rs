@@ -19,7 +19,6 @@ use crate::domain::keyframe::{Crop, Detection, Features};
 use crate::domain::request::Digest;
 use crate::domain::session_merge::MergeUndo;
 use crate::store::commit::job::MapKey;
-use crate::store::slices::deferred;
 use crate::store::sql::{self, Row};
 use crate::store::{Store, StoreError};
 
@@ -43,7 +42,7 @@ pub struct KeyframeRow {
 pub struct DetectionRow {
     /// Whether its crop is kept.
     pub has_crop: bool,
-    /// As sent; its position as last corrected, without the crop.
+    /// As sent, without the crop.
     pub detection: Detection,
     /// What became of it.
     pub outcome: Outcome,
@@ -94,17 +93,10 @@ impl Store {
                 and c.detection = d.detection) as has_crop
             from detections d where d.map_key = $1 and d.keyframe = $2 order by d.detection";
         let detections = sql::query(select).bind(map).bind(keyframe).fetch_all(&mut *db).await?;
-        let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
-        let mut found =
-            self.of_map(map, keyframe_row(&row, features_row.as_ref(), &detections).map_err(of_row)).await?;
-        for (number, at) in moved {
-            if let Some(row) = found.detections.get_mut(usize::from(number)) {
-                row.detection.position_in_session = Some(at);
-            }
-        }
-        Ok(Some(found))
+        let row = keyframe_row(&row, features_row.as_ref(), &detections).map_err(of_row);
+        self.of_map(map, row.map(Some)).await
     }
 
     /// Returns the crop of a detection.

@@ -192,7 +192,6 @@ impl Standing {
             all.into_iter().zip(stays).filter_map(|(change, stays)| stays.then_some(change)).collect();
         let former = entry.former.to_mut();
         former.poses.retain(|(keyframe, _)| self.keyframes.contains(keyframe));
-        former.positions.retain(|(keyframe, ..)| self.keyframes.contains(keyframe));
         former.points.retain(|(session, point, _)| self.has_point(*session, *point));
         former.forgotten.retain(|(session, point, _)| self.has_point(*session, *point));
     }

@@ -11,7 +11,7 @@ use crate::domain::change::{Change, Keyframe, MergeCause};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId};
 use crate::domain::prior::{Prior, is_unit};
-use crate::geometry::Point3;
+use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 
 /// How far the squared norm of a stored quaternion may be from 1: it was normalised before it was stored.
@@ -60,17 +60,22 @@ pub(in crate::store) fn keyframe(keyframe: &Keyframe, known: &Known) -> Result<(
     if keyframe.session.index() >= known.sessions {
         return fault(format!("keyframe {id} belongs to no session"));
     }
-    let pose = &keyframe.map_from_camera;
-    let norm = pose.rotation_xyzw().iter().map(|part| part * part).sum::<f64>();
-    // Not written as `>`, so that a NaN is found, too.
-    let is_rotation = (norm - 1.0).abs() < MAX_ROTATION_ERROR;
-    if !is_rotation || !pose.translation_m().iter().all(|part| part.is_finite()) {
+    if ![&keyframe.map_from_camera, &keyframe.sent_pose].into_iter().all(is_rigid) {
         return fault(format!("the pose of keyframe {id} is none"));
+    }
+    if !keyframe.scale.is_finite() || keyframe.scale <= 0.0 {
+        return fault(format!("the scale of keyframe {id} is none"));
     }
     if !keyframe.observes.iter().is_sorted_by(|a, b| a < b) {
         return fault(format!("the points of keyframe {id} are not in order"));
     }
     Ok(())
+}
+
+fn is_rigid(pose: &Pose) -> bool {
+    let norm = pose.rotation_xyzw().iter().map(|part| part * part).sum::<f64>();
+    // Not written as `>`, so that a NaN is found, too.
+    (norm - 1.0).abs() < MAX_ROTATION_ERROR && pose.translation_m().iter().all(|part| part.is_finite())
 }
 
 /// Rejects a global descriptor of no size that is allowed, or of another form than the map's others, and notes its form.
@@ -137,9 +142,7 @@ pub(in crate::store) fn observation(
         }
         Some(_) => {}
     }
-    if !observation.confidence.is_finite()
-        || observation.position_in_session.is_some_and(|at| !is_finite(&at))
-    {
+    if !observation.confidence.is_finite() || observation.position_as_sent.is_some_and(|at| !is_finite(&at)) {
         return fault(format!("{row} has a number that is not finite"));
     }
     Ok(())

@@ -13,14 +13,12 @@ use std::borrow::Cow;
 use sqlx::AssertSqlSafe;
 
 use crate::domain::change::Change;
-use crate::domain::ids::KeyframeSeq;
-use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::cost;
 use crate::store::commit::job::{Batch, Job, MapKey};
 use crate::store::log::entry::Entry;
 use crate::store::log::log_rows::{self, COUNTS, FIRST_PART};
-use crate::store::log::parts::{self, Kind, can_wait, is_ordered};
+use crate::store::log::parts::{self, can_wait, is_ordered};
 use crate::store::rows::statement::run;
 use crate::store::rows::validate::Known;
 use crate::store::sql::{self, Connection};
@@ -72,8 +70,14 @@ pub(in crate::store) async fn wait(
 
 /// Whether changes of a map wait for their rows.
 pub(in crate::store) async fn any(db: &mut Connection, map: MapKey) -> Result<bool, StoreError> {
-    let select = "select waits_version is not null from maps where map_key = $1";
-    Ok(sql::query_scalar(select).bind(map).fetch_optional(db).await?.unwrap_or(false))
+    Ok(first(db, map).await?.is_some())
+}
+
+/// Returns the first part of a map that waits for its rows, by version and number.
+async fn first(db: &mut Connection, map: MapKey) -> Result<Option<(i64, i64)>, StoreError> {
+    let select =
+        "select waits_version, waits_part from maps where map_key = $1 and waits_version is not null";
+    Ok(sql::query_as(select).bind(map).fetch_optional(db).await?)
 }
 
 /// Parts that are read at a time.
@@ -86,46 +90,49 @@ pub(super) struct Waiting {
     pub entry: Entry<'static>,
 }
 
-/// Returns the first parts of a map that wait, after one; of every kind, or of one.
-pub(super) async fn waiting_after(
+/// Returns the first part of a map that waits, if any does.
+pub(super) async fn next(db: &mut Connection, map: MapKey) -> Result<Option<Waiting>, StoreError> {
+    let Some(first) = first(db, map).await? else { return Ok(None) };
+    Ok(from(db, map, first, 1).await?.pop())
+}
+
+/// Returns parts of a map that wait, from one on.
+///
+/// Where the first of all stands is asked before, by [`first`]: were it joined here, SQLite would search every page from there.
+async fn from(
     db: &mut Connection,
     map: MapKey,
     (version, part): (i64, i64),
-    kind: Option<Kind>,
     limit: i64,
 ) -> Result<Vec<Waiting>, StoreError> {
     let select = format!(
-        "select v.version, v.part, v.kind, v.body from versions v join maps m using (map_key)
-        where v.map_key = $1 and (v.version, v.part) >= (m.waits_version, m.waits_part)
-            and (v.version, v.part) > ($2, $3) and v.kind <> 'said' and v.part > 0 and v.kind = coalesce($4, v.kind)
-            and {COUNTS} order by v.version, v.part limit $5"
+        "select v.version, v.part, v.kind, v.body from versions v
+        where v.map_key = $1 and (v.version, v.part) >= ($2, $3) and v.kind <> 'said' and v.part > 0
+            and {COUNTS} order by v.version, v.part limit $4"
     );
     let query = sql::query_as(AssertSqlSafe(select)).bind(map).bind(version).bind(part);
-    let rows: Vec<(i64, i64, String, Vec<u8>)> =
-        query.bind(kind.map(Kind::as_str)).bind(limit).fetch_all(db).await?;
+    let rows: Vec<(i64, i64, String, Vec<u8>)> = query.bind(limit).fetch_all(db).await?;
     let waiting = |(version, part, kind, body): (i64, i64, String, Vec<u8>)| {
         Ok(Waiting { at: (version, part), kind, entry: Entry::of(&body)? })
     };
     rows.into_iter().map(waiting).collect()
 }
 
-/// Takes a map's deferred changes, of every kind or of one, in their order and some parts at a time: together they may be more than
-/// memory holds.
+/// Takes a map's deferred changes in their order and some parts at a time: together they may be more than memory holds.
 pub(in crate::store) async fn for_each(
     db: &mut Connection,
     map: MapKey,
-    kind: Option<Kind>,
     mut take: impl FnMut(Vec<Change>) + Send,
 ) -> Result<(), StoreError> {
-    let mut last = (0, 0);
-    loop {
-        let parts = waiting_after(db, map, last, kind, PARTS_AT_ONCE).await?;
-        let Some(part) = parts.last() else { return Ok(()) };
-        last = part.at;
+    let mut start = first(db, map).await?;
+    while let Some(at) = start {
+        let parts = from(db, map, at, PARTS_AT_ONCE).await?;
+        start = parts.last().map(|part| (part.at.0, part.at.1 + 1));
         for part in parts {
             take(part.entry.changes.into_iter().map(Cow::into_owned).collect());
         }
     }
+    Ok(())
 }
 
 /// Tells a map's deferred changes on top of its rows.
@@ -147,26 +154,5 @@ pub(in crate::store) async fn apply(
         });
         take(changes);
     };
-    for_each(db, map, None, take).await
-}
-
-/// Returns the deferred positions of a keyframe's detections, the latest last.
-pub(in crate::store) async fn positions(
-    db: &mut Connection,
-    map: MapKey,
-    keyframe: KeyframeSeq,
-) -> Result<Vec<(u16, Point3)>, StoreError> {
-    let mut found = Vec::new();
-    if any(db, map).await? {
-        let take = |changes: Vec<Change>| {
-            found.extend(changes.into_iter().filter_map(|change| match change {
-                Change::PositionSet(_, seen_by, detection, at) if seen_by == keyframe => {
-                    Some((detection, at))
-                }
-                _ => None,
-            }));
-        };
-        for_each(db, map, Some(Kind::Positions), take).await?;
-    }
-    Ok(found)
+    for_each(db, map, take).await
 }

@@ -8,8 +8,8 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::log::log_rows::COUNTS;
 use crate::store::log::parts::Kind;
-use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
+use crate::store::rows::{keyframe_rows, point_blocks};
 use crate::store::sql::{self, Connection};
 
 /// The cost of a part beside its changes, as so many of them.
@@ -41,7 +41,7 @@ pub(in crate::store) async fn fold(
             None => first_map(db).await?,
         };
         let Some(map) = map else { break };
-        let Some(waiting) = deferred::waiting_after(db, map, (0, 0), None, 1).await?.pop() else { break };
+        let Some(waiting) = deferred::next(db, map).await? else { break };
         left = left.saturating_sub(waiting.entry.changes.len() + PART_CHANGES);
         fold_part(db, map, waiting).await?;
     }
@@ -99,13 +99,7 @@ async fn write(
     for change in changes {
         match change {
             Change::PoseSet(keyframe, pose) => {
-                let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-                run(db, sql::statement(update, (map, keyframe, &pose))).await?;
-            }
-            Change::PositionSet(_, keyframe, detection, at) => {
-                let update = "update detections set position = $4
-                    where map_key = $1 and keyframe = $2 and detection = $3";
-                run(db, sql::statement(update, (map, keyframe, detection, at))).await?;
+                run(db, keyframe_rows::set_pose(map, keyframe, &pose)).await?;
             }
             Change::AnchorTouched(anchor, version) => {
                 let update = "update anchors set version = $3

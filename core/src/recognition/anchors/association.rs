@@ -138,7 +138,8 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
         let Some((anchor, root)) = index.anchor(seq).zip(index.objects().root(seq)) else { continue };
         let Some(observation) = anchor.observations.values().next() else { continue };
         let Some(mine) = index.objects().get(root) else { continue };
-        let sight = Sight::of(&observation.map_points, observation.position_in_session, position);
+        let seen_at = observation.position_as_sent.map(|sent| stored.position_now(sent));
+        let sight = Sight::of(&observation.map_points, seen_at, position);
         for other in &nearby {
             let Some(theirs) = index.objects().get(*other) else { continue };
             if *index.class_of(theirs) != *anchor.class || theirs.state == AnchorState::Retired {

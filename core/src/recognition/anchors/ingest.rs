@@ -145,7 +145,7 @@ fn observation(keyframe: KeyframeSeq, number: u16, detection: &Detection) -> Obs
         detection: number,
         confidence: detection.confidence,
         map_points: detection.map_points.clone().into(),
-        position_in_session: detection.position_in_session,
+        position_as_sent: detection.position_in_session,
         range_assumed: detection.range_assumed,
         reading: detection.reading().map(Into::into),
         described: detection.description.is_some(),

@@ -16,7 +16,6 @@ use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::session_merge::{MergeUndo, Renumbering, SessionMerge, SessionMergeRequest};
-use crate::geometry::Sim3;
 use crate::recognition::map::index::{MapIndex, OpenMerge};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
@@ -84,9 +83,10 @@ pub fn merge_sessions(
     let named = MergeUndo::naming(session, into, merge.next_keyframe);
     let mut undo = MergeUndo { keyframes: keyframes.clone(), ..named };
     renumber(index, &becomes, &mut undo, &mut changes);
-    for keyframe in &keyframes {
-        move_keyframe(index, *keyframe, &merge.into_from_session, &mut changes);
-    }
+    let moved = keyframes.iter().filter_map(|seq| index.keyframe(*seq));
+    changes.extend(moved.map(|keyframe| {
+        Change::PoseSet(keyframe.seq, merge.into_from_session.after(&keyframe.similarity()))
+    }));
     let map_points = move_points(index, &merge, &becomes, &mut changes);
     changes.push(Change::SessionsMerged(Box::new(merge)));
     let anchors: BTreeSet<AnchorSeq> = keyframes.iter().flat_map(|seq| index.anchors_seen_by(*seq)).collect();
@@ -158,19 +158,6 @@ fn renumber(index: &MapIndex, becomes: &Becomes, undo: &mut MergeUndo, changes: 
     }
 }
 
-/// Brings a keyframe, and its detections that are known by their positions, into the other frame.
-fn move_keyframe(index: &MapIndex, seq: KeyframeSeq, into_from_session: &Sim3, changes: &mut Vec<Change>) {
-    let Some(keyframe) = index.keyframe(seq) else { return };
-    for (anchor, seen) in index.detections_of(seq) {
-        if let Some(position) = &seen.position_in_session {
-            let moved = into_from_session.transform(position);
-            changes.push(Change::PositionSet(anchor, seq, seen.detection, moved));
-        }
-    }
-    let pose = into_from_session.after(&Sim3::from(keyframe.map_from_camera)).without_scale();
-    changes.push(Change::PoseSet(seq, pose));
-}
-
 /// Brings the map points into the other frame. One whose number is taken there is that one, which keeps its position.
 fn move_points(
     index: &MapIndex,
@@ -215,10 +202,6 @@ pub fn revoke_merge(index: &mut MapIndex, undo: MergeUndo, former: &FormerValues
         );
     }
     changes.extend(undo.points.iter().map(|points| Change::PointsOfKeyframeSet(Box::new(points.clone()))));
-    for (keyframe, detection, at) in &former.positions {
-        let anchor = index.fed_by((*keyframe, *detection));
-        changes.extend(anchor.map(|anchor| Change::PositionSet(anchor, *keyframe, *detection, *at)));
-    }
     changes.extend(former.poses.iter().map(|(keyframe, pose)| Change::PoseSet(*keyframe, *pose)));
     let brought: Box<[PointId]> = former.points.iter().map(|(_, id, _)| *id).collect();
     if !brought.is_empty() {

@@ -4,12 +4,11 @@ use std::collections::HashSet;
 
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
-use crate::domain::anchor::Observation;
 use crate::domain::change::Change;
 use crate::domain::counted::counted;
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 
 /// Corrected poses and map points of one session, by dense number.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,13 +23,13 @@ pub struct Correction {
 pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correction) -> Decided {
     let mut record = Recorder::new(index);
     let mut changes = Vec::new();
-    for (keyframe, pose) in &correction.poses {
-        changes.extend(moved_positions(record.index(), *keyframe, pose));
-        changes.push(Change::PoseSet(*keyframe, *pose));
-    }
+    let scale = |keyframe| record.index().keyframe(keyframe).map_or(1.0, |keyframe| keyframe.scale);
+    changes.extend(
+        correction.poses.iter().map(|(seq, pose)| Change::PoseSet(*seq, Sim3::scaled(*pose, scale(*seq)))),
+    );
     let points = correction.map_points.iter();
     changes.extend(points.map(|(id, position)| Change::PointSet(session, *id, *position)));
-    record.touch(touched(record.index(), session, correction, &changes));
+    record.touch(touched(record.index(), session, correction));
     record.apply(changes);
     let mut event = Event::of(EventKind::PosesCorrected);
     event.session = record.index().sessions().get(session.index()).cloned();
@@ -40,36 +39,13 @@ pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correctio
     record.finish()
 }
 
-/// Returns an observation known by its `position` alone moves rigidly with its keyframe: what the camera saw does not
-/// change.
-fn moved_positions(index: &MapIndex, keyframe: KeyframeSeq, now: &Pose) -> Vec<Change> {
-    let Some(before) = index.keyframe(keyframe).map(|keyframe| keyframe.map_from_camera) else {
-        return Vec::new();
-    };
-    if before == *now {
-        return Vec::new();
-    }
-    let moved = |(anchor, seen): (AnchorSeq, &Observation)| {
-        let moved = now.transform(&before.inverse_transform(&seen.position_in_session?));
-        Some(Change::PositionSet(anchor, keyframe, seen.detection, moved))
-    };
-    index.detections_of(keyframe).filter_map(moved).collect()
-}
-
 /// Returns the anchors of which a position or a map point moves.
-fn touched(
-    index: &MapIndex,
-    session: SessionSeq,
-    correction: &Correction,
-    changes: &[Change],
-) -> HashSet<AnchorSeq> {
-    let mut touched: HashSet<AnchorSeq> = changes
-        .iter()
-        .filter_map(|change| match change {
-            Change::PositionSet(anchor, ..) => Some(*anchor),
-            _ => None,
-        })
-        .collect();
+fn touched(index: &MapIndex, session: SessionSeq, correction: &Correction) -> HashSet<AnchorSeq> {
+    let is_moved = |seq: &KeyframeSeq, pose: &Pose| {
+        index.keyframe(*seq).is_some_and(|keyframe| keyframe.map_from_camera != *pose)
+    };
+    let moved = correction.poses.iter().filter(|(seq, pose)| is_moved(seq, pose));
+    let mut touched: HashSet<AnchorSeq> = moved.flat_map(|(seq, _)| index.anchors_placed_by(*seq)).collect();
     let moved = correction.map_points.iter();
     touched.extend(moved.flat_map(|(id, _)| index.holders().of(session, *id)));
     touched

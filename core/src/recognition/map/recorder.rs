@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::index::MapIndex;
-use crate::domain::change::{Change, Merge};
+use crate::domain::change::{Change, Keyframe, Merge};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -85,7 +85,7 @@ impl<'a> Recorder<'a> {
         match change {
             Change::KeyframeAdded(..) => self.keyframe_arrives = true,
             Change::PoseSet(keyframe, _) => {
-                let before = index.keyframe(*keyframe).map(|keyframe| keyframe.map_from_camera);
+                let before = index.keyframe(*keyframe).map(Keyframe::similarity);
                 former.poses.extend(before.map(|before| (*keyframe, before)));
             }
             Change::PointSet(session, point, _) => {
@@ -98,11 +98,6 @@ impl<'a> Recorder<'a> {
                 let before =
                     points.iter().filter_map(|id| Some((*id, index.points().position(*session, *id)?)));
                 former.forgotten.extend(before.map(|(id, position)| (*session, id, position)));
-            }
-            Change::PositionSet(anchor, keyframe, detection, _) => {
-                let observation = index.observation(*anchor, (*keyframe, *detection));
-                let before = observation.and_then(|observation| observation.position_in_session);
-                former.positions.extend(before.map(|before| (*keyframe, *detection, before)));
             }
             _ => {}
         }

@@ -146,7 +146,8 @@ fn sightings(index: &MapIndex, object: &MergedAnchor, session: SessionSeq) -> Ve
         let keyframe = index.keyframe(observation.keyframe).filter(|keyframe| keyframe.session == session)?;
         let points = observation.map_points.iter().filter_map(|id| index.points().position(session, *id));
         let of_points = Aabb::around(points).map(|aabb| aabb.centre());
-        let measured = observation.position_in_session.filter(|_| !observation.range_assumed);
+        let measured = observation.position_as_sent.filter(|_| !observation.range_assumed);
+        let measured = measured.map(|sent| keyframe.position_now(sent));
         let camera = keyframe.map_from_camera;
         let down = keyframe.gravity.map(|gravity| camera.isometry().rotation * gravity.direction());
         Some(Sighting { position: of_points.or(measured)?, camera, down })

@@ -7,10 +7,11 @@ use crate::domain::change::{KeyframeUpdate, ObservationUpdate};
 use crate::domain::ids::KeyframeId;
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::MapProperties;
-use crate::geometry::{Aabb, Point3, Pose};
+use crate::geometry::{Aabb, Point3, Pose, Sim3};
 use crate::recognition::anchors::ingest::ingest;
 use crate::recognition::anchors::observations::change_observations;
 use crate::recognition::loops::points_now::PointsNow;
+use crate::recognition::map::correction::{Correction, correct};
 
 fn session(number: u8) -> SessionId {
     format!("robot-{number}").parse().unwrap()
@@ -203,6 +204,31 @@ fn keyframes_that_see_one_place_are_covisible_and_their_sign_is_one() {
     assert!(index.covisibility().joins(KeyframeSeq(0), KeyframeSeq(1)));
     let told: Vec<EventKind> = merged.decided.events.iter().map(|event| event.kind).collect();
     assert_eq!(told[..2], [EventKind::SessionsMerged, EventKind::AnchorsMerged]);
+}
+
+#[test]
+fn a_sign_moves_with_its_keyframe_through_corrections_and_the_scale_of_a_merge() {
+    let mut index = map_of(&[sent(0, 0..6, None), sent(1, [], Some((1, 2)))]);
+    let centre = |index: &MapIndex, session: u32| {
+        let object = index.objects().iter().next().unwrap().1;
+        object.shapes[&SessionSeq(session)].aabb.unwrap().centre()
+    };
+    let seen_from_camera = Point3::new(1.0, 0.0, 3.0);
+    assert_eq!(centre(&index, 1), Point3::new(2.0, 0.0, 3.0));
+    let turned = Sim3::new(1.5, [3.0, -1.0, 0.5], [0.0, 0.0, 0.6, 0.8]).unwrap();
+    for round in [1.0, 2.0] {
+        let pose = Pose::new([5.0 * round, 1.0, -2.0], [0.6, 0.0, 0.0, 0.8]).unwrap();
+        let poses = vec![(KeyframeSeq(1), pose)];
+        correct(&mut index, SessionSeq(1), &Correction { poses, map_points: Vec::new() });
+        assert!((centre(&index, 1) - pose.transform(&seen_from_camera)).norm() < 1e-12);
+    }
+    let corrected = centre(&index, 1);
+    merge(&mut index, &request(turned, Renumbering::Same));
+    assert!((centre(&index, 0) - turned.transform(&corrected)).norm() < 1e-12);
+    let pose = Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap();
+    let poses = vec![(KeyframeSeq(1), pose)];
+    correct(&mut index, SessionSeq(0), &Correction { poses, map_points: Vec::new() });
+    assert!((centre(&index, 0) - seen_from_camera * 1.5).norm() < 1e-12);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::parsed_readings::ParsedReadings;
 use super::points::Points;
 use super::votes::Votes;
 use crate::domain::anchor::Observation;
+use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::prior::Prior;
 use crate::geometry::{Aabb, Point3};
@@ -50,16 +51,17 @@ impl Shape {
         self.range_assumed |= other.range_assumed;
     }
 
-    pub(super) fn add(&mut self, observation: &Observation, session: SessionSeq, points: &Points) {
+    pub(super) fn add(&mut self, observation: &Observation, seen_by: &Keyframe, points: &Points) {
         self.map_points.extend(observation.map_points.iter().copied());
         let mut placed =
-            observation.map_points.iter().filter_map(|id| points.position(session, *id)).peekable();
+            observation.map_points.iter().filter_map(|id| points.position(seen_by.session, *id)).peekable();
         if placed.peek().is_some() {
             self.aabb = grown(self.aabb, placed);
         } else {
             // A detection's place is its map points; `position` serves where it has none.
-            self.aabb = grown(self.aabb, observation.position_in_session);
-            self.range_assumed |= observation.range_assumed && observation.position_in_session.is_some();
+            let position = observation.position_as_sent.map(|sent| seen_by.position_now(sent));
+            self.aabb = grown(self.aabb, position);
+            self.range_assumed |= observation.range_assumed && position.is_some();
         }
     }
 }
@@ -92,24 +94,24 @@ impl Anchor {
         }
     }
 
-    /// One more observation, by a keyframe of this session; `is_code` says whether texts of the class are codes.
+    /// One more observation, by this keyframe; `is_code` says whether texts of the class are codes.
     pub fn observe(
         &mut self,
         observation: Observation,
-        session: SessionSeq,
+        seen_by: &Keyframe,
         is_code: bool,
         points: &Points,
         parsed: &mut ParsedReadings,
     ) {
         self.votes.add(&observation, is_code, parsed);
-        self.shapes.entry(session).or_default().add(&observation, session, points);
+        self.shapes.entry(seen_by.session).or_default().add(&observation, seen_by, points);
         self.observations.insert((observation.keyframe, observation.detection), observation);
     }
 
-    /// Takes shape and votes anew from the observations: after a point moved, or a keyframe is gone.
-    pub fn refresh(
+    /// Takes shape and votes anew from the observations: after a point or a keyframe moved, or one is gone.
+    pub fn refresh<'k>(
         &mut self,
-        session_of: impl Fn(KeyframeSeq) -> SessionSeq,
+        keyframe: impl Fn(KeyframeSeq) -> Option<&'k Keyframe>,
         is_code: bool,
         points: &Points,
         parsed: &mut ParsedReadings,
@@ -119,8 +121,9 @@ impl Anchor {
         self.place_prior();
         for observation in self.observations.values() {
             self.votes.add(observation, is_code, parsed);
-            let session = session_of(observation.keyframe);
-            self.shapes.entry(session).or_default().add(observation, session, points);
+            if let Some(seen_by) = keyframe(observation.keyframe) {
+                self.shapes.entry(seen_by.session).or_default().add(observation, seen_by, points);
+            }
         }
     }
 

@@ -15,7 +15,6 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
-use crate::geometry::Point3;
 
 impl MapIndex {
     /// Applies one request's changes, in their order.
@@ -55,8 +54,11 @@ impl MapIndex {
             Change::PartsForgotten(parts) => self.forget_parts(parts, touched),
             Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
             Change::PoseSet(seq, pose) => {
-                if let Some(keyframe) = self.keyframes.get_mut(seq.index()) {
-                    keyframe.map_from_camera = *pose;
+                if let Some(keyframe) = self.keyframes.get_mut(seq.index())
+                    && keyframe.similarity() != *pose
+                {
+                    keyframe.move_to(pose);
+                    touched.moved.insert(*seq);
                     self.retrack(*seq);
                 }
             }
@@ -78,9 +80,6 @@ impl MapIndex {
             Change::PointsOfKeyframeSet(points) => self.set_points_of_keyframe(points),
             Change::PointsOfDetectionSet(seq, keyframe, detection, points) => {
                 self.set_points_of_detection(*seq, (*keyframe, *detection), points, touched);
-            }
-            Change::PositionSet(seq, keyframe, detection, position) => {
-                self.set_position(*seq, (*keyframe, *detection), *position, touched);
             }
             Change::DescriptionSet(seq, text) => {
                 if let Some(anchor) = self.anchor_mut(*seq) {
@@ -140,14 +139,14 @@ impl MapIndex {
     }
 
     pub(super) fn derive(&mut self, mut touched: Touched) {
+        let moved = std::mem::take(&mut touched.moved);
+        touched.stale.extend(moved.into_iter().flat_map(|keyframe| self.anchors_placed_by(keyframe)));
         let (keyframes, points) = (&self.keyframes, &self.points);
-        let session_of =
-            |seq: KeyframeSeq| keyframes.get(seq.index()).map_or(SessionSeq(0), |keyframe| keyframe.session);
         for seq in &touched.stale {
             if let Some(anchor) = self.anchors.get_mut(seq.index()) {
                 self.holders.release(&anchor.shapes, *seq);
                 let is_code = self.readings.is_of_codes(&anchor.class);
-                anchor.refresh(session_of, is_code, points, &mut touched.parsed);
+                anchor.refresh(|seq| keyframes.get(seq.index()), is_code, points, &mut touched.parsed);
                 self.holders.hold_all(&anchor.shapes, *seq);
             }
         }
@@ -318,29 +317,12 @@ impl MapIndex {
         }
     }
 
-    fn set_position(
-        &mut self,
-        seq: AnchorSeq,
-        at: (KeyframeSeq, u16),
-        position: Point3,
-        touched: &mut Touched,
-    ) {
-        // A deferred change may name the anchor that the detection fed before it was moved.
-        let holder = if self.observation(seq, at).is_some() { Some(seq) } else { self.fed_by(at) };
-        if let Some(holder) = holder
-            && let Some(observation) = self.observation_mut(holder, at)
-        {
-            observation.position_in_session = Some(position);
-            touched.stale.insert(holder);
-        }
-    }
-
     fn observe(&mut self, seq: AnchorSeq, observation: &Observation, touched: &mut Touched) {
-        let Some(session) = self.session_of(observation.keyframe) else { return };
+        let Some(seen_by) = self.keyframes.get(observation.keyframe.index()) else { return };
         let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
-        self.holders.hold(session, &observation.map_points, seq);
+        self.holders.hold(seen_by.session, &observation.map_points, seq);
         let is_code = self.readings.is_of_codes(&anchor.class);
-        anchor.observe(observation.clone(), session, is_code, &self.points, &mut touched.parsed);
+        anchor.observe(observation.clone(), seen_by, is_code, &self.points, &mut touched.parsed);
         self.tally.add_observation(observation);
         self.readings.count(&anchor.class, seq, observation, &mut touched.parsed, true);
         self.seen_by.get_or_insert_with(observation.keyframe.index(), BTreeSet::new).insert(seq);

@@ -266,6 +266,12 @@ impl MapIndex {
         })
     }
 
+    /// Returns the anchors that detections of a keyframe feed which were sent with a position.
+    pub fn anchors_placed_by(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = AnchorSeq> {
+        let placed = self.detections_of(keyframe).filter(|(_, seen)| seen.position_as_sent.is_some());
+        placed.map(|(anchor, _)| anchor)
+    }
+
     /// Returns a detection of a keyframe, by its number, that feeds an anchor.
     pub fn observation(&self, anchor: AnchorSeq, detection: (KeyframeSeq, u16)) -> Option<&Observation> {
         self.anchor(anchor)?.observations.get(&detection)
@@ -319,8 +325,9 @@ impl MapIndex {
         let mut shape = None;
         for anchor in self.anchors_of(object) {
             for (_, observation) in anchor.observations.range(..(keyframe, 0)) {
-                if self.session_of(observation.keyframe) == Some(session) {
-                    shape.get_or_insert_with(Shape::default).add(observation, session, &self.points);
+                let seen_by = self.keyframe(observation.keyframe);
+                if let Some(seen_by) = seen_by.filter(|seen_by| seen_by.session == session) {
+                    shape.get_or_insert_with(Shape::default).add(observation, seen_by, &self.points);
                 }
             }
         }
