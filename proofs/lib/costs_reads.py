@@ -6,6 +6,8 @@ from costs_cases import CASES, Case, alone_of, case, many_texts, neighbours, see
 from costs_measure import ask, encoded
 from costs_shapes import APART_M, detection, in_row, keyframe, observed, placed, pose, shuffled, signs, words
 
+# So many poses at once wait for their rows.
+CORRECTED = 400
 GIF_LIKE = b"\x89PNG\r\n\x1a\n" + bytes(1_000)
 EXIT = lambda i: "EXIT"  # noqa: E731
 
@@ -113,6 +115,14 @@ def of_crops(ground, many):
     return ground.map(keyframe(n, {"detections": [detection("EXIT", crop=encoded(GIF_LIKE))]}, id=f"kf-{n}") for n in range(many))
 
 
+def of_corrections(ground, many):
+    """Keyframes with signs, whose poses are corrected again and again, so many at once that they reach their rows later."""
+    path, poses = ground.map(keyframe(k, signs(5, EXIT, lambda i: in_row(i, k)), APART_M, id=f"kf-{k}") for k in range(CORRECTED)), range(CORRECTED)
+    for n in range(many):
+        ground.do("POST", f"{path}/poses", {"keyframes": {"ids": [f"kf-{k}" for k in poses], "poses": [pose(k * APART_M, 0.001 * n) for k in poses]}})
+    return path
+
+
 def constant(path):
     return lambda many: path
 
@@ -144,6 +154,7 @@ reads("list_releases", "a page", constant("/releases?limit=10"), of_releases, (6
 reads("get_release", "one of many", constant("/releases/r-0"), of_releases, (60, 60))
 reads("get_changes", "a page of a map that changed", constant("/changes?since=r-0&limit=100"), of_a_changed_release, (400, 8_000))
 reads("export_map", "keyframes in a row", constant("/export"), of_keyframes, (400, 8_000))
+reads("export_map", "poses corrected again and again", constant("/export"), of_corrections, (40, 200))
 
 
 def first_anchor(ground, path):
