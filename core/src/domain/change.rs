@@ -10,7 +10,7 @@ use super::global_descriptor::GlobalDescriptor;
 use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
-use super::keyframe::{Camera, NewKeyframe, Stamp};
+use super::keyframe::{Camera, Detection, NewKeyframe, Stamp};
 use super::map::MapProperties;
 pub use super::observation_update::{Declared, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
 use super::point_list::PointList;
@@ -102,6 +102,13 @@ impl Keyframe {
             return as_sent;
         }
         self.similarity().transform(&self.sent_pose.inverse_transform(&as_sent))
+    }
+
+    /// Gives detections of this keyframe, as they were sent, the positions that they have by now.
+    pub fn place(&self, detections: &mut [Detection]) {
+        for position in detections.iter_mut().filter_map(|detection| detection.position_in_session.as_mut()) {
+            *position = self.position_now(*position);
+        }
     }
 
     /// Returns the covisible keyframes that the client declared.

@@ -149,8 +149,7 @@ fn record(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, row: KeyframeRow)
     let has_crop = row.detections.iter().map(|detection| detection.has_crop).collect();
     let mut detections: Vec<Detection> =
         row.detections.into_iter().map(|detection| detection.detection).collect();
-    let positions = detections.iter_mut().filter_map(|detection| detection.position_in_session.as_mut());
-    positions.for_each(|at| *at = stored.position_now(*at));
+    stored.place(&mut detections);
     for anchor in index.anchors_seen_by(seq).filter_map(|anchor| index.anchor(anchor)) {
         for ((_, number), observation) in anchor.observations.range((seq, 0)..=(seq, u16::MAX)) {
             if let Some(detection) = detections.get_mut(usize::from(*number)) {

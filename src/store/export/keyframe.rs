@@ -82,11 +82,9 @@ impl Export {
         let rows = sql::query(select).bind(self.map).bind(keyframe.seq).fetch_all(&mut *self.db).await?;
         let mut detections = Vec::with_capacity(rows.len());
         for row in &rows {
-            let mut detection = read::detection(row)?.detection;
-            let position = detection.position_in_session.as_mut();
-            position.into_iter().for_each(|at| *at = keyframe.position_now(*at));
-            detections.push(detection);
+            detections.push(read::detection(row)?.detection);
         }
+        keyframe.place(&mut detections);
         if detections.is_empty() {
             return Ok(detections);
         }
