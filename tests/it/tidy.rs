@@ -35,7 +35,7 @@ const LINES_MAX: usize = 450;
 const MEDIAN_LINES_MAX: usize = 160;
 
 /// Where the rooms are: those of the program, and those of the crate that holds the method.
-const ROOTS: [&str; 2] = ["src", "core/src"];
+const ROOTS: [&str; 2] = ["src", "crates/core/src"];
 
 fn sources() -> Vec<(PathBuf, String)> {
     let mut found: Vec<_> = ROOTS.into_iter().flat_map(sources_of).collect();
@@ -131,7 +131,7 @@ fn contributing_states_these_sizes() {
 
 #[test]
 fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
-    for (path, text) in sources_of("core/src") {
+    for (path, text) in sources_of("crates/core/src") {
         // A vocabulary is read from a file.
         if room(&path) == "vocabulary" || is_test(&path) {
             continue;
@@ -157,7 +157,7 @@ fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
 #[test]
 fn no_files_of_a_room_import_each_other_in_a_circle() {
     let mut wrong = Vec::new();
-    for root in ["src", "core/src"] {
+    for root in ["src", "crates/core/src"] {
         let files = sources_of(root);
         let code = files.iter().filter(|(path, _)| !is_test(path));
         let graph = import_graph(code.map(|(path, text)| (path.as_path(), text.as_str())));

@@ -1,4 +1,4 @@
-//! §V, checks 1 and 2, in the answer; `core/tests/paper/candidates.rs` asks the core.
+//! §V, checks 1 and 2, in the answer; `crates/core/tests/paper/candidates.rs` asks the core.
 
 use serde_json::json;
 

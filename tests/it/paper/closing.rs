@@ -1,4 +1,4 @@
-//! §IV-C.2, the end, in the answers: a confirmed loop and its revocation (M12); `core/tests/paper/closing.rs` asks the core.
+//! §IV-C.2, the end, in the answers: a confirmed loop and its revocation (M12); `crates/core/tests/paper/closing.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,4 +1,4 @@
-//! §IV-B, in the answers: anchors as they are read; `core/tests/paper/construction.rs` asks the core.
+//! §IV-B, in the answers: anchors as they are read; `crates/core/tests/paper/construction.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,4 +1,4 @@
-//! M7, contradictions, in the answer; `core/tests/paper/contradiction.rs` asks the core.
+//! M7, contradictions, in the answer; `crates/core/tests/paper/contradiction.rs` asks the core.
 
 use serde_json::json;
 

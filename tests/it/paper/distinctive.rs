@@ -1,4 +1,4 @@
-//! M6, distinctive weights, in the answers; `core/tests/paper/distinctive.rs` asks the core.
+//! M6, distinctive weights, in the answers; `crates/core/tests/paper/distinctive.rs` asks the core.
 
 use serde_json::json;
 

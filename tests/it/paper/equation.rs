@@ -1,4 +1,4 @@
-//! §V-B, Eq. (1) and (2), in the answer; `core/tests/paper/equation.rs` asks the core.
+//! §V-B, Eq. (1) and (2), in the answer; `crates/core/tests/paper/equation.rs` asks the core.
 
 use serde_json::{Value, json};
 

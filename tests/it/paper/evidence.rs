@@ -1,4 +1,4 @@
-//! M64, the sum of evidence, in the answer; `core/tests/paper/odds.rs` asks the core.
+//! M64, the sum of evidence, in the answer; `crates/core/tests/paper/odds.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,5 +1,5 @@
 //! M50, in the answer: a keyframe sent along with the query is judged as if it had just arrived, and is not stored;
-//! `core/tests/paper/inline.rs` asks the core.
+//! `crates/core/tests/paper/inline.rs` asks the core.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §IV-A.2 and M14, asked of the service: the text functions; `core/src/semantics/golden.rs` asks the core.
+//! §IV-A.2 and M14, asked of the service: the text functions; `crates/core/src/semantics/golden.rs` asks the core.
 
 use serde_json::{Value, json};
 

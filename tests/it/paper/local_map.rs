@@ -1,4 +1,4 @@
-//! §V-A, the local anchor map M_k, as it is read; `core/tests/paper/local_map.rs` asks the core.
+//! §V-A, the local anchor map M_k, as it is read; `crates/core/tests/paper/local_map.rs` asks the core.
 
 use super::scene::{Scene, close_to, close_to_all, door, keyframe, list, texts, thing, unread};
 

@@ -1,4 +1,4 @@
-//! §IV-C.2, semantic anchor matching, in the answers; `core/tests/paper/matching.rs` asks the core.
+//! §IV-C.2, semantic anchor matching, in the answers; `crates/core/tests/paper/matching.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,6 +1,6 @@
 //! The paper over HTTP: for each section one scenario that shows that its result reaches the answers, and what is HTTP's own.
 //!
-//! The claims themselves, against numbers computed by hand, are asked of the core: `core/tests/paper/`, by the same names
+//! The claims themselves, against numbers computed by hand, are asked of the core: `crates/core/tests/paper/`, by the same names
 //! of files; its `main.rs` has the table of sections. `repeat.rs` (M52: the same question, the same bytes) is here only,
 //! and `letter.rs` (M51) there only.
 //!

@@ -1,5 +1,5 @@
 //! M20, the numbering of a building, and M26, assumed distances, in the answers;
-//! `core/tests/paper/numbering.rs` asks the core.
+//! `crates/core/tests/paper/numbering.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,5 +1,5 @@
 //! §III, told by events: an anchor that was seen before triggers loop detection (M10);
-//! `core/tests/paper/overview.rs` asks the core.
+//! `crates/core/tests/paper/overview.rs` asks the core.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! M10 and M21, in the answers: one passage, and an unsure reading; `core/tests/paper/passage.rs` asks the core.
+//! M10 and M21, in the answers: one passage, and an unsure reading; `crates/core/tests/paper/passage.rs` asks the core.
 
 use super::scene::{Scene, door, keyframe, texts};
 

@@ -1,4 +1,4 @@
-//! Sessions (M32), in the answers: an anchor in the frame of each; `core/tests/paper/sessions.rs` asks the core.
+//! Sessions (M32), in the answers: an anchor in the frame of each; `crates/core/tests/paper/sessions.rs` asks the core.
 
 use serde_json::json;
 

@@ -1,4 +1,4 @@
-//! The gates of §V-B, in the answer: settings move them; `core/tests/paper/strictness.rs` asks the core.
+//! The gates of §V-B, in the answer: settings move them; `crates/core/tests/paper/strictness.rs` asks the core.
 
 use serde_json::{Value, json};
 

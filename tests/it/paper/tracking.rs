@@ -1,4 +1,4 @@
-//! §IV-C.1, object tracking, in the answer; `core/tests/paper/tracking.rs` asks the core.
+//! §IV-C.1, object tracking, in the answer; `crates/core/tests/paper/tracking.rs` asks the core.
 
 use super::scene::{Scene, keyframe, texts, thing, unread};
 

@@ -1,6 +1,6 @@
 //! Verdicts in the answer: the paper's method by name, what nothing has described, which checks run (M11, M28, M39), and
 //! the brief form;
-//! `core/tests/paper/verdicts.rs` asks the core.
+//! `crates/core/tests/paper/verdicts.rs` asks the core.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! M4, several readings, in the answers; `core/tests/paper/votes.rs` asks the core.
+//! M4, several readings, in the answers; `crates/core/tests/paper/votes.rs` asks the core.
 
 use serde_json::json;
 

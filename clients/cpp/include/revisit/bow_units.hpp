@@ -11,7 +11,7 @@
 
 namespace revisit::detail {
 
-/// The whole, in units: the server normalises weights to integers that sum to it (`core/src/domain/bow.rs`).
+/// The whole, in units: the server normalises weights to integers that sum to it (`crates/core/src/domain/bow.rs`).
 constexpr std::int64_t whole_bow = std::int64_t{1} << 31;
 
 /// Returns each word's units. What is in units already comes back unchanged, so that the server makes the same of both.
