@@ -3,11 +3,9 @@
 //! ARCHITECTURE.md beside the sources draws the house; [`recognition`] is the paper, and stands with all that it needs in
 //! the crate `revisit_core`.
 
-pub mod api;
 #[cfg(feature = "hotel")]
 pub mod buildings;
 pub mod cli;
-pub mod client;
 pub mod config;
 pub mod engine;
 #[cfg(feature = "hotel")]
@@ -17,4 +15,6 @@ pub mod integrity;
 pub mod llm;
 pub mod store;
 
+pub use revisit_api as api;
+pub use revisit_client as client;
 pub use revisit_core::{domain, geometry, named, recognition, semantics, vocabulary};

@@ -21,5 +21,5 @@ pub mod logging;
 pub mod memory;
 pub mod models;
 pub mod quotas;
-pub mod tls;
+pub use revisit_client::tls;
 pub mod traces;

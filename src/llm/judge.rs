@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};
+use crate::domain::judge_answer::{Judged, Merged};
 use crate::domain::judgement::TextFunction;
 use crate::semantics::{self, Route, Text};
 use crate::store::DayLimit;
@@ -18,40 +19,6 @@ const SAME_OBJECT: u8 = 4;
 
 /// Maximum InformationLevel of a text that addresses a model: enough for an anchor, whatever the text demands.
 const FLAGGED_LEVEL_MAX: u8 = 4;
-
-/// A level, its source and its reason.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Judged {
-    /// 1 to 5.
-    pub level: u8,
-    /// `identical`, `identifiers`, `lexical` or `model:<name>`.
-    pub source: String,
-    /// One sentence for a person.
-    pub reason: String,
-    /// Whether a model's answer was cached.
-    pub cached: bool,
-    /// Whether the built-in judge substituted for an unavailable model.
-    pub degraded: bool,
-}
-
-impl Judged {
-    fn built_in(level: u8, source: &str, reason: String) -> Self {
-        Self { level, source: source.to_owned(), reason, cached: false, degraded: false }
-    }
-}
-
-/// Two descriptions merged into one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Merged {
-    /// The description.
-    pub text: String,
-    /// `lexical` or `model:<name>`.
-    pub source: String,
-    /// Whether a model's answer was cached.
-    pub cached: bool,
-    /// Whether the built-in judge substituted for an unavailable model.
-    pub degraded: bool,
-}
 
 /// The three functions of §IV-A.2.
 #[derive(Clone, Debug, Default)]

@@ -158,7 +158,7 @@ impl Field {
     fn declared_id(&self, source: Source) -> Tokens {
         let optional = within(&self.declaration.ty, "Option");
         let is_list = within(optional.unwrap_or(&self.declaration.ty), "Vec").is_some();
-        let shown = if is_list { quote!(Vec<crate::api::names::Id>) } else { quote!(String) };
+        let shown = if is_list { quote!(Vec<::revisit_api::names::Id>) } else { quote!(String) };
         let shown = if optional.is_some() { quote!(Option<#shown>) } else { shown };
         let rule = if is_list {
             quote!(value_type = #shown, inline)
@@ -183,9 +183,9 @@ impl Field {
         let value = self.source.clone().unwrap_or_else(|| quote!(of.#ident));
         if !self.has("rounded") {
             let borrowed = (is_borrowed && self.source.is_none()).then(|| quote!(&));
-            return quote!(crate::api::shown::Shown::shown(#borrowed #value));
+            return quote!(::revisit_api::shown::Shown::shown(#borrowed #value));
         }
-        let rounded = quote!(crate::api::space::rounded);
+        let rounded = quote!(::revisit_api::space::rounded);
         if matches!(&self.declaration.ty, Type::Path(path) if path.path.is_ident("f64")) {
             quote!(#rounded(#value))
         } else {
@@ -222,13 +222,13 @@ impl Field {
             let packed = packed.to_string();
             let row = if let Some(row) = row { quote!(Some(#row)) } else { quote!(None) };
             quote! {
-                crate::api::decoding::column::Packed {
-                    name: #packed, number: crate::api::decoding::column::Number::#number, row: #row
+                ::revisit_api::decoding::column::Packed {
+                    name: #packed, number: ::revisit_api::decoding::column::Number::#number, row: #row
                 }
             }
         });
         let packed = if let Some(packed) = packed { quote!(Some(#packed)) } else { quote!(None) };
-        quote!(crate::api::decoding::column::Column { list: #name, packed: #packed })
+        quote!(::revisit_api::decoding::column::Column { list: #name, packed: #packed })
     }
 
     /// Returns the name of the list that this one must be as long as.
@@ -254,7 +254,7 @@ impl Field {
             return Ok(quote!(node.some_of(#least..=#most, |node| #item)));
         }
         if self.has("id") {
-            return Ok(quote!(crate::api::decoding::read::id::<#of>(node)));
+            return Ok(quote!(::revisit_api::decoding::read::id::<#of>(node)));
         }
         let floats = || (bounds.float("minimum", f64::MIN), bounds.float("maximum", f64::MAX));
         if let Type::Array(array) = of {
@@ -263,8 +263,8 @@ impl Field {
         }
         let name = plain(of).unwrap_or_default();
         Ok(match name.as_str() {
-            "bool" if source == Source::Query => quote!(crate::api::decoding::read::written_switch(node)),
-            "bool" => quote!(crate::api::decoding::read::switch(node)),
+            "bool" if source == Source::Query => quote!(::revisit_api::decoding::read::written_switch(node)),
+            "bool" => quote!(::revisit_api::decoding::read::switch(node)),
             "f64" => {
                 let (least, most) = floats();
                 quote!(node.number(#least..=#most))
@@ -289,7 +289,7 @@ impl Field {
                 let most = bounds.count("max_length");
                 if bounds.has("min_length") { quote!(node.name(#most)) } else { quote!(node.text(#most)) }
             }
-            _ => quote!(<#of as crate::api::decoding::read::Decode>::decode(node)),
+            _ => quote!(<#of as ::revisit_api::decoding::read::Decode>::decode(node)),
         })
     }
 }

@@ -183,7 +183,7 @@ impl Shape {
                 }
             }
 
-            impl crate::api::shown::Shown<#model> for #name {
+            impl ::revisit_api::shown::Shown<#model> for #name {
                 fn shown(of: #model) -> Self {
                     of.into()
                 }
@@ -204,21 +204,21 @@ impl Shape {
             Some(quote!(object.parallel(#first, #second)?;))
         });
         Ok(quote! {
-            impl crate::api::decoding::read::Members for #name {
+            impl ::revisit_api::decoding::read::Members for #name {
                 fn names() -> Vec<&'static str> {
                     vec![#(#names),*]
                 }
 
-                fn read(object: &crate::api::decoding::read::Object<'_>) -> Option<Self> {
+                fn read(object: &::revisit_api::decoding::read::Object<'_>) -> Option<Self> {
                     #(let #idents = #readers;)*
                     #(#parallel)*
                     Some(Self { #(#idents: #idents?,)* })
                 }
             }
 
-            impl crate::api::decoding::read::Decode for #name {
-                fn decode(node: &crate::api::decoding::read::Node<'_>) -> Option<Self> {
-                    crate::api::decoding::read::members(node)
+            impl ::revisit_api::decoding::read::Decode for #name {
+                fn decode(node: &::revisit_api::decoding::read::Node<'_>) -> Option<Self> {
+                    ::revisit_api::decoding::read::members(node)
                 }
             }
         })
@@ -256,9 +256,9 @@ impl Shape {
         quote! {
             #same
 
-            impl crate::api::decoding::read::Decode for #model {
-                fn decode(node: &crate::api::decoding::read::Node<'_>) -> Option<Self> {
-                    let shape = <#name as crate::api::decoding::read::Decode>::decode(node)?;
+            impl ::revisit_api::decoding::read::Decode for #model {
+                fn decode(node: &::revisit_api::decoding::read::Node<'_>) -> Option<Self> {
+                    let shape = <#name as ::revisit_api::decoding::read::Decode>::decode(node)?;
                     #made
                 }
             }

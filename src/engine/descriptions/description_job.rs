@@ -5,13 +5,14 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::judge_answer::{Judged, Merged};
 use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::domain::judgement::{PastQuestion, TextFunction};
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Result, Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::dialogue::{Described, Describer};
-use crate::llm::judge::{Judge, Judged, Merged};
+use crate::llm::judge::Judge;
 use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
 use crate::recognition::anchors::apply_model_answer::{Learned, learn_away, learn_reading, learn_verdict};

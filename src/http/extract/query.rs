@@ -5,7 +5,7 @@ use axum::http::request::Parts;
 use revisit_shapes::params;
 
 use crate::api::decoding::document::Document;
-use crate::api::decoding::read::{self, Decode, Members, Node};
+use crate::api::decoding::read::{self, Decode, Node};
 use crate::api::names::{AnchorStateName, DetailName, ReasonCodeName, VerdictName};
 use crate::api::trajectory::TrajectoryFormat;
 use crate::domain::ids::{ReleaseName, SessionId};
@@ -36,16 +36,6 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
             }
             Problem::invalid(faults)
         })
-    }
-}
-
-/// The parameters of a request whose query has those of both.
-impl<A: Members, B: Members> Decode for (A, B) {
-    fn decode(node: &Node<'_>) -> Option<Self> {
-        let object = node.object(&[A::names(), B::names()].concat())?;
-        // The page comes first in the list of faults.
-        let (b, a) = (B::read(&object), A::read(&object));
-        Some((a?, b?))
     }
 }
 

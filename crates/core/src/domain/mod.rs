@@ -40,6 +40,7 @@ pub mod former;
 pub mod global_descriptor;
 pub mod ids;
 pub mod invalid;
+pub mod judge_answer;
 pub mod judged;
 pub mod judgement;
 pub mod key;
