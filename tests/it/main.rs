@@ -11,6 +11,7 @@ mod closing;
 mod cluster;
 mod codes;
 mod crash;
+mod documents;
 mod erasures;
 mod events;
 mod eviction;
