@@ -82,7 +82,7 @@ fn the_python_package_has_every_code() {
 #[test]
 fn the_viewer_speaks_of_no_code_that_there_is_not() {
     let spoken = Regex::new(r#"reason\?\.code [!=]== "(\w+)""#).expect("a pattern");
-    let script = read("assets/viewer_verdict.js");
+    let script = read("crates/server/assets/viewer_verdict.js");
     let spoken: Vec<&str> =
         spoken.captures_iter(&script).filter_map(|found| Some(found.get(1)?.as_str())).collect();
     assert!(!spoken.is_empty());
@@ -93,7 +93,7 @@ fn the_viewer_speaks_of_no_code_that_there_is_not() {
 
 #[test]
 fn the_viewer_has_words_for_every_name_in_a_place() {
-    let script = read("assets/viewer_place.js");
+    let script = read("crates/server/assets/viewer_place.js");
     let names =
         [("TONES", LocationVerdict::NAMES), ("SOURCES", PoseSource::NAMES), ("ASSUMED", Assumption::NAMES)];
     for (table, names) in names {

@@ -1,5 +1,9 @@
 //! Anchor: what a reader is shown of a semantic anchor, and what an operator may change (`openapi/openapi.yaml`).
 
+use revisit_core::domain::ids::SessionId;
+use revisit_core::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
+use revisit_core::domain::verdict::LocalAnchorReport;
+use revisit_core::geometry::{Aabb, Point3};
 use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -11,10 +15,6 @@ use super::limits;
 use super::names::{AnchorStateName, TextKindName};
 use super::prior::{PlanPositionView, PriorView};
 use super::space::rounded;
-use revisit_core::domain::ids::SessionId;
-use revisit_core::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
-use revisit_core::domain::verdict::LocalAnchorReport;
-use revisit_core::geometry::{Aabb, Point3};
 
 /// A semantic anchor with all that was derived about it.
 #[answer(of = AnchorReport)]

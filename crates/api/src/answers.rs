@@ -2,9 +2,10 @@
 
 use std::cmp::Ordering;
 
+use revisit_core::domain::reason::ReasonCode;
+
 use crate::geometry::{GeometryModel, GeometryView, Similarity};
 use crate::verdict::{CandidateView, LoopAnswer, ReasonView};
-use revisit_core::domain::reason::ReasonCode;
 
 impl LoopAnswer {
     /// Returns the candidate that the answer is about: `best`, or the one that came nearest to being it, an undecided one before

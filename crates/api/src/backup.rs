@@ -1,11 +1,11 @@
 //! Backup: a verified copy of the database, in the folder that the operator has named.
 
-use revisit_shapes::{answer, body};
-
-use super::space::Time;
 use revisit_core::domain::ids::BackupId;
 use revisit_core::domain::report::BackupReport;
 use revisit_core::domain::request::NewBackup;
+use revisit_shapes::{answer, body};
+
+use super::space::Time;
 
 /// A backup to be taken.
 #[body(same NewBackup)]

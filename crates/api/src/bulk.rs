@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use revisit_core::domain::ids::KeyframeId;
 use revisit_shapes::answer;
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
@@ -10,7 +11,6 @@ use super::decoding::document::Json;
 use super::keyframe::{Faulty, Keyframe, KeyframeAnswer, OutcomeView, SentKeyframe, of_line};
 use super::names::Id;
 use super::problem::ProblemView;
-use revisit_core::domain::ids::KeyframeId;
 
 /// One line of a bulk request, for the API document: a keyframe with its id.
 pub struct BulkItem;

@@ -1,12 +1,12 @@
 //! Erasure: keyframes and sessions that leave for good (`openapi/openapi.yaml`).
 
+use revisit_core::domain::erasure::{Erasure, NewErasure};
+use revisit_core::domain::ids::{BackupId, KeyframeId, SessionId};
 use revisit_shapes::{answer, body};
 
 use super::decoding::read::Node;
 use super::names::ErasureStateName;
 use super::space::Time;
-use revisit_core::domain::erasure::{Erasure, NewErasure};
-use revisit_core::domain::ids::{BackupId, KeyframeId, SessionId};
 
 /// What is to be erased. Exactly one of `keyframes` and `sessions`.
 #[body(checked NewErasure)]

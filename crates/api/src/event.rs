@@ -1,10 +1,10 @@
 //! Event: what happened in a map, as the stream tells it.
 
+use revisit_core::domain::event::Event;
 use revisit_shapes::answer;
 
 use super::names::EventName;
 use super::space::Time;
-use revisit_core::domain::event::Event;
 
 /// One event: the `data` of a server-sent event whose `id` is `seq`. It is flat; what a kind does not speak of is left out.
 #[answer(of = Event)]

@@ -1,10 +1,10 @@
 //! Frames: the places of a map's sessions relative to each other, and the loops that contradict it (`openapi/openapi.yaml`).
 
+use revisit_core::domain::fleet_frames::Suspect;
+use revisit_core::domain::report::{FrameReport, FramesReport};
 use revisit_shapes::answer;
 
 use super::space::Transform;
-use revisit_core::domain::fleet_frames::Suspect;
-use revisit_core::domain::report::{FrameReport, FramesReport};
 
 /// One frame for all sessions of a map.
 #[answer(of = FramesReport)]

@@ -1,5 +1,7 @@
 //! Geometry: the figures of the last check, and the transformation that a client closes the loop with.
 
+use revisit_core::domain::verdict::{GeometryEvidence, GeometryFigures};
+use revisit_core::geometry::Sim3;
 use revisit_shapes::answer;
 use serde::de::IntoDeserializer as _;
 use serde::de::value::{Error as Unnamed, StrDeserializer};
@@ -8,8 +10,6 @@ use utoipa::ToSchema;
 
 use super::names::GeometryStatusName;
 use super::space::{Quaternion, Vector3, rounded};
-use revisit_core::domain::verdict::{GeometryEvidence, GeometryFigures};
-use revisit_core::geometry::Sim3;
 
 /// The result of geometric verification.
 #[answer(of = &GeometryEvidence)]

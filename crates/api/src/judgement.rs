@@ -1,14 +1,14 @@
 //! Judgement: a job that asks a changed model again about what it judged before.
 
+use revisit_core::domain::ids::JudgementId;
+use revisit_core::domain::judgement::{JobState, Replaced};
+use revisit_core::domain::report::JudgementReport;
+use revisit_core::domain::request::NewJudgement;
 use revisit_shapes::{answer, body};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::names::AsksName;
-use revisit_core::domain::ids::JudgementId;
-use revisit_core::domain::judgement::{JobState, Replaced};
-use revisit_core::domain::report::JudgementReport;
-use revisit_core::domain::request::NewJudgement;
 
 /// Microdollars in a dollar.
 const MICROUSD: f64 = 1e6;

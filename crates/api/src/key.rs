@@ -1,13 +1,13 @@
 //! Key: an API key as it is made, and as it is read back without its secret.
 
+use revisit_core::domain::key::{Key, KeyProperties, MadeKey, MapPattern, PatternError};
+use revisit_core::domain::keyframe::Stamp;
 use revisit_shapes::{answer, body};
 use utoipa::ToSchema;
 
 use super::decoding::read::{Decode, Node};
 use super::names::ActionName;
 use super::space::Time;
-use revisit_core::domain::key::{Key, KeyProperties, MadeKey, MapPattern, PatternError};
-use revisit_core::domain::keyframe::Stamp;
 
 /// The notice in the answer to a server's first key.
 pub(super) const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \

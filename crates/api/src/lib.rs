@@ -20,6 +20,20 @@
 //! | [`key`] | API keys |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
+//!
+//! # All faults of a body at once
+//!
+//! ```
+//! use revisit_api::decoding::{read, syntax};
+//! use revisit_api::semantics::TextPair;
+//!
+//! let sent = br#"{"a": "Room 901", "b": 910, "colour": "red"}"#;
+//! let document = syntax::parse(sent).expect("JSON");
+//! let faults = read::decode::<TextPair>(&document).err().expect("two faults");
+//! let mut places: Vec<&str> = faults.iter().map(|fault| fault.pointer.as_str()).collect();
+//! places.sort_unstable();
+//! assert_eq!(places, ["/b", "/colour"]);
+//! ```
 
 // Shapes, wherever they are declared, name what they need by this crate's name.
 extern crate self as revisit_api;

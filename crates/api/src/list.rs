@@ -1,5 +1,6 @@
 //! List: one part of something long, and where the next part starts.
 
+use revisit_core::domain::report::Page;
 use revisit_shapes::answer;
 
 use super::anchor::AnchorView;
@@ -11,7 +12,6 @@ use super::loops::LoopView;
 use super::map::MapView;
 use super::release::ReleaseView;
 use super::session::SessionView;
-use revisit_core::domain::report::Page;
 
 // One struct for each list and no generic one: generators name a schema after its type, and `List_AnchorView` is no name.
 macro_rules! lists {

@@ -1,10 +1,10 @@
 //! Listed verdict: a line of the list of verdicts (`openapi/openapi.yaml`).
 
+use revisit_core::domain::verdict_line::ListedVerdict;
 use revisit_shapes::answer;
 
 use super::names::{ReasonCodeName, VerdictName};
 use super::space::Time;
-use revisit_core::domain::verdict_line::ListedVerdict;
 
 /// A verdict in a line, as the list shows it.
 #[answer(of = ListedVerdict)]

@@ -1,12 +1,12 @@
 //! Loop query: "is this keyframe a loop?" as a client asks it (`openapi/openapi.yaml`).
 
+use revisit_core::domain::ids::{KeyframeId, ReleaseName};
+use revisit_core::domain::request::{LoopQuery, Subject};
 use revisit_shapes::body;
 
 use super::decoding::read::Node;
 use super::keyframe::{self, Keyframe, KeyframeBody};
 use super::names::VerifyName;
-use revisit_core::domain::ids::{KeyframeId, ReleaseName};
-use revisit_core::domain::request::{LoopQuery, Subject};
 
 /// A loop query: about a stored keyframe, or about one sent along and not stored. Exactly one of `keyframe` and `inline`.
 #[body(checked LoopQuery)]

@@ -1,16 +1,16 @@
 //! Loop: one that a client closed, what it merged, and what its revocation splits again (`openapi/openapi.yaml`).
 
+use revisit_core::domain::change::Merge;
+use revisit_core::domain::ids::{IdError, KeyframeId, LoopId};
+use revisit_core::domain::loop_warning::LoopWarning;
+use revisit_core::domain::report::LoopReport;
+use revisit_core::domain::request::NewLoop;
 use revisit_shapes::{answer, body};
 
 use super::decoding::read::{self, Node};
 use super::names::LoopWarningCodeName;
 use super::shown::Shown;
 use super::space::SimilarityShape;
-use revisit_core::domain::change::Merge;
-use revisit_core::domain::ids::{IdError, KeyframeId, LoopId};
-use revisit_core::domain::loop_warning::LoopWarning;
-use revisit_core::domain::report::LoopReport;
-use revisit_core::domain::request::NewLoop;
 
 /// A loop that the client closed.
 #[body(checked NewLoop, of = NewLoop)]

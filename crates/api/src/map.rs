@@ -2,18 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use revisit_shapes::{answer, body};
-use utoipa::ToSchema;
-
-use super::decoding::read::{self, Decode, Node, Object};
-use super::limits;
-use super::settings::{ChosenSettings, MapSettings};
 use revisit_core::domain::ids::{MapId, ReleaseName};
 use revisit_core::domain::map::NamedTwins;
 use revisit_core::domain::release::MapBase;
 use revisit_core::domain::report::MapReport;
 use revisit_core::domain::request::{Detail, MapPatch, NewMap};
 use revisit_core::geometry::Gravity;
+use revisit_shapes::{answer, body};
+use utoipa::ToSchema;
+
+use super::decoding::read::{self, Decode, Node, Object};
+use super::limits;
+use super::settings::{ChosenSettings, MapSettings};
 
 /// A map to be made.
 #[answer]

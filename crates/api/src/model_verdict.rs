@@ -1,15 +1,15 @@
 //! Model verdict: what a model said of a map's texts or crops, brought from elsewhere.
 
+use revisit_core::domain::judged::{CropReading, Finding, ModelVerdict};
+use revisit_core::domain::recorded::NamedDetection;
+use revisit_core::domain::request::NewVerdict;
+use revisit_core::semantics::Text;
 use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node, Object};
 use super::limits;
-use revisit_core::domain::judged::{CropReading, Finding, ModelVerdict};
-use revisit_core::domain::recorded::NamedDetection;
-use revisit_core::domain::request::NewVerdict;
-use revisit_core::semantics::Text;
 
 /// A verdict of a model: a level or a merged text of texts of one class, or a description of a detection's crop.
 #[answer]

@@ -2,14 +2,6 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use utoipa::openapi::extensions::ExtensionsBuilder;
-use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
-use utoipa::openapi::{RefOr, Schema};
-use utoipa::{PartialSchema, ToSchema};
-
-use super::decoding::read::{Decode, Node};
 use revisit_core::domain::anchor::{AnchorState, IgnoredReason};
 use revisit_core::domain::channel::Channel;
 use revisit_core::domain::erasure::ErasureState;
@@ -24,6 +16,14 @@ use revisit_core::domain::request::Detail;
 use revisit_core::domain::verdict::{CandidateDecision, Decision, EvidenceKind, GeometryStatus, Verify};
 use revisit_core::named::Named;
 use revisit_core::semantics::TextKind;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::openapi::extensions::ExtensionsBuilder;
+use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
+
+use super::decoding::read::{Decode, Node};
 
 /// A value of the model, written as its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

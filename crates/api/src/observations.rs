@@ -2,6 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use revisit_core::domain::ids::{KeyframeId, PointId, SessionId};
+use revisit_core::domain::request::{self, ChangedObservations};
 use revisit_shapes::{answer, body};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -11,8 +13,6 @@ use super::decoding::read::{Decode, Members as _, Node};
 use super::keyframe::{CovisibleShape, ascending, covisible, filled, named_once, others_than};
 use super::limits;
 use super::shown::Shown;
-use revisit_core::domain::ids::{KeyframeId, PointId, SessionId};
-use revisit_core::domain::request::{self, ChangedObservations};
 
 /// Changes that a robot's map made to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
 #[body(ChangedObservations, of = ChangedObservations)]

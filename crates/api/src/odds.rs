@@ -1,9 +1,9 @@
 //! Odds: the terms of the sum of evidence for a place (M64).
 
+use revisit_core::domain::verdict::EvidenceTerm;
 use revisit_shapes::answer;
 
 use super::names::EvidenceKindName;
-use revisit_core::domain::verdict::EvidenceTerm;
 
 /// One term of the sum of evidence for a place.
 #[answer(of = &EvidenceTerm)]

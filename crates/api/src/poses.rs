@@ -1,14 +1,14 @@
 //! Poses: what the client's optimisation corrected, in one piece (`openapi/openapi.yaml`).
 
+use revisit_core::domain::ids::{KeyframeId, SessionId};
+use revisit_core::domain::request::PoseCorrection;
+use revisit_core::geometry::Pose;
 use revisit_shapes::{answer, body};
 
 use super::decoding::read::Node;
 use super::keyframe::{PointsShape, SentMapPoints, filled};
 use super::shown::Shown;
 use super::space::Transform;
-use revisit_core::domain::ids::{KeyframeId, SessionId};
-use revisit_core::domain::request::PoseCorrection;
-use revisit_core::geometry::Pose;
 
 /// Corrected poses and map points of one session; all of it is taken over, or nothing.
 #[body(checked PoseCorrection, of = PoseCorrection)]

@@ -1,13 +1,13 @@
 //! Prior anchor: a sign that a plan shows, known before any robot saw it (`openapi/openapi.yaml`).
 
-use revisit_shapes::{answer, body};
-
-use super::decoding::read::Node;
-use super::limits;
 use revisit_core::domain::ids::{PriorId, SessionId};
 use revisit_core::domain::prior::{NewPrior, Prior, is_unit};
 use revisit_core::domain::report::PlanPlace;
 use revisit_core::geometry::Point3;
+use revisit_shapes::{answer, body};
+
+use super::decoding::read::Node;
+use super::limits;
 
 /// A sign that a plan shows.
 #[body(of = NewPrior)]

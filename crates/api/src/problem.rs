@@ -1,8 +1,7 @@
 //! Problem: the one shape of every answer of 400 and above (RFC 9457, `openapi/openapi.yaml`).
 
-use revisit_shapes::answer;
-
 use revisit_core::domain::invalid::FieldError;
+use revisit_shapes::answer;
 
 /// The reason why a request was refused, or failed.
 #[answer]

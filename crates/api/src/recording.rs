@@ -1,5 +1,7 @@
 //! Recording: a map's operations as lines that `replay` plays. Each bears a body as a client posts it.
 
+use revisit_core::domain::ids::MapId;
+use revisit_core::domain::recorded::{NamedDetection, Recorded};
 use serde::Serialize;
 use serde::ser::{SerializeMap as _, Serializer as _};
 use serde_json::{Value, json};
@@ -13,8 +15,6 @@ use super::observations::ObservationsBody;
 use super::poses::PosesBody;
 use super::prior::PriorBody;
 use super::session_merge::MergeBody;
-use revisit_core::domain::ids::MapId;
-use revisit_core::domain::recorded::{NamedDetection, Recorded};
 
 /// The body of an operation that names all it is about.
 const NO_BODY: Option<()> = None;

@@ -1,11 +1,11 @@
 //! Release: a named version of a map that stays as it is (`openapi/openapi.yaml`).
 
+use revisit_core::domain::release::{AnchorChange, Counted, NewRelease, Release, ReleaseChanges, ReleaseUse};
 use revisit_shapes::{answer, body};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::space::{Time, rounded};
-use revisit_core::domain::release::{AnchorChange, Counted, NewRelease, Release, ReleaseChanges, ReleaseUse};
 
 /// A release to be published.
 #[body(NewRelease)]

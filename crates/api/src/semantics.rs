@@ -1,8 +1,7 @@
 //! Semantics: the three functions of §IV-A.2, asked by hand.
 
-use revisit_shapes::{answer, body};
-
 use revisit_core::domain::judge_answer::{Judged, Merged};
+use revisit_shapes::{answer, body};
 
 /// Two descriptions of objects of one class.
 #[body]

@@ -1,9 +1,9 @@
 //! Session: one robot's run or a plan's frame, and its alignment to a plan (`openapi/openapi.yaml`).
 
+use revisit_core::domain::report::{AlignmentReport, SessionReport};
 use revisit_shapes::answer;
 
 use super::space::{Time, Transform};
-use revisit_core::domain::report::{AlignmentReport, SessionReport};
 
 /// A session of a map.
 #[answer(of = SessionReport)]

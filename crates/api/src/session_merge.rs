@@ -2,15 +2,15 @@
 
 use std::collections::HashSet;
 
+use revisit_core::domain::ids::SessionId;
+use revisit_core::domain::session_merge::{Renumbering, SessionMergeRequest};
+use revisit_core::geometry::Sim3;
 use revisit_shapes::{answer, body};
 
 use super::decoding::read::{Decode as _, Node};
 use super::limits;
 use super::observations::FusedPoints;
 use super::space::SimilarityShape;
-use revisit_core::domain::ids::SessionId;
-use revisit_core::domain::session_merge::{Renumbering, SessionMergeRequest};
-use revisit_core::geometry::Sim3;
 
 /// The session that another one merges into, and how; all of it is taken over, or nothing.
 #[body(checked MergeFields)]

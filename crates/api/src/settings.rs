@@ -1,5 +1,8 @@
 //! Settings: the table of `model::settings` as JSON, and as a schema with its defaults, bounds and meanings.
 
+use revisit_core::domain::method::Method;
+use revisit_core::domain::settings::{Setting, SettingError, SettingKind, SettingValue, Settings};
+use revisit_core::semantics::Patterns;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use utoipa::openapi::extensions::ExtensionsBuilder;
@@ -9,9 +12,6 @@ use utoipa::{PartialSchema, ToSchema};
 
 use super::decoding::read::{self, Decode, Node};
 use super::limits;
-use revisit_core::domain::method::Method;
-use revisit_core::domain::settings::{Setting, SettingError, SettingKind, SettingValue, Settings};
-use revisit_core::semantics::Patterns;
 
 /// The settings of a map, by name; in a request only those to be set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]

@@ -2,10 +2,11 @@
 
 use std::fmt::Display;
 
-use super::names::Name;
 use revisit_core::domain::ids::{GlobalModelId, KeyframeId, LoopId, SessionId};
 use revisit_core::geometry::{Gravity, Point3};
 use revisit_core::named::Named;
+
+use super::names::Name;
 
 /// A type of answers that shows a type of the model.
 pub trait Shown<T> {

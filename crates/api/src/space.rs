@@ -1,5 +1,7 @@
 //! Space and time: vectors, quaternions, transforms and stamps, written as ROS messages write them.
 
+use revisit_core::domain::keyframe::Stamp;
+use revisit_core::geometry::{Gravity, Pose, Sim3};
 use revisit_shapes::body;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -7,8 +9,6 @@ use utoipa::ToSchema;
 use super::decoding::read::{Decode, Node};
 use super::limits;
 use super::shown::Shown;
-use revisit_core::domain::keyframe::Stamp;
-use revisit_core::geometry::{Gravity, Pose, Sim3};
 
 /// A vector, in metres.
 #[body]

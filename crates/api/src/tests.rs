@@ -2,6 +2,12 @@
 
 use std::fmt::Debug;
 
+use revisit_core::domain::erasure::NewErasure;
+use revisit_core::domain::invalid::FieldError;
+use revisit_core::domain::release::NewRelease;
+use revisit_core::domain::request::{
+    ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, PoseCorrection,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -23,12 +29,6 @@ use super::poses::{PosesAnswer, PosesBody};
 use super::release::{ReleaseBody, ReleaseChangesView, ReleaseView};
 use super::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
-use revisit_core::domain::erasure::NewErasure;
-use revisit_core::domain::invalid::FieldError;
-use revisit_core::domain::release::NewRelease;
-use revisit_core::domain::request::{
-    ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, PoseCorrection,
-};
 
 /// Returns the document of a value, written as text.
 fn document(value: &Value) -> Document<'static> {

@@ -1,9 +1,8 @@
 //! Transcript: the dialogues that described an anchor (§IV-A.1).
 
-use revisit_shapes::answer;
-
 use revisit_core::domain::judged::{Transcript, TranscriptStep};
 use revisit_core::domain::prior::AnchorKey;
+use revisit_shapes::answer;
 
 /// The dialogues about an anchor's crops.
 #[answer]

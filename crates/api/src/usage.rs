@@ -1,8 +1,7 @@
 //! Usage: what language models were asked and what it cost.
 
-use revisit_shapes::answer;
-
 use revisit_core::domain::report::{UsageLine, UsageReport};
+use revisit_shapes::answer;
 
 /// Calls of language models since the database was made, by operation and model.
 #[answer]

@@ -1,11 +1,5 @@
 //! Verdict: the answer to a loop query, each candidate with its figures and the check that stopped it (`openapi/openapi.yaml`).
 
-use revisit_shapes::answer;
-
-use super::geometry::GeometryView;
-use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
-use super::odds::EvidenceView;
-use super::space::rounded;
 use revisit_core::domain::channel::ProposedBy;
 use revisit_core::domain::ids::KeyframeId;
 use revisit_core::domain::look_for::LookFor;
@@ -14,6 +8,12 @@ use revisit_core::domain::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
     MatchEvidence, Reason, Verdict,
 };
+use revisit_shapes::answer;
+
+use super::geometry::GeometryView;
+use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, TextKindName, VerdictName};
+use super::odds::EvidenceView;
+use super::space::rounded;
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
 #[answer]

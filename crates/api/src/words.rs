@@ -1,12 +1,11 @@
 //! Words: the codes of the model with their words for people, as a script that the viewer imports.
 
-use serde_json::{Map, Value, json};
-
 use revisit_core::domain::anchor::AnchorState;
 use revisit_core::domain::event::EventKind;
 use revisit_core::domain::reason::ReasonCode;
 use revisit_core::domain::verdict::EvidenceKind;
 use revisit_core::named::Named;
+use serde_json::{Map, Value, json};
 
 /// Returns the script.
 pub fn script() -> String {

@@ -2,17 +2,17 @@
 
 use bytes::Bytes;
 use reqwest::Method;
-
-use super::connection::Client;
-use super::error::ClientError;
-use super::maps::Page;
-use super::operation::operations;
 use revisit_api::anchor::{AnchorPatchBody, AnchorView};
 use revisit_api::list::AnchorList;
 use revisit_api::map::MapVersion;
 use revisit_api::names::AnchorStateName;
 use revisit_api::prior::PriorBody;
 use revisit_api::transcript::TranscriptList;
+
+use super::connection::Client;
+use super::error::ClientError;
+use super::maps::Page;
+use super::operation::operations;
 
 /// The anchors to be listed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

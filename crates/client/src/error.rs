@@ -3,11 +3,11 @@
 use std::fmt;
 
 use reqwest::StatusCode;
+use revisit_core::domain::ids::IdError;
 use serde::Deserialize;
 use serde_json::Value;
 
 use crate::tls::cause_of;
-use revisit_core::domain::ids::IdError;
 
 /// A body that is not problem+json is quoted up to this many characters.
 const QUOTED_CHARACTERS: usize = 200;

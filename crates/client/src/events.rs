@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use revisit_api::event::EventView;
+
 use super::connection::{Client, decode};
 use super::error::ClientError;
-use revisit_api::event::EventView;
 
 /// A stream is listened to for at most this long; then the caller listens again from the last number.
 const LISTEN_TIMEOUT: Duration = Duration::from_hours(12);

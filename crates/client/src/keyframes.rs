@@ -1,6 +1,11 @@
 //! Keyframes: written, read and removed.
 
 use reqwest::Method;
+use revisit_api::anchor::LocalAnchorMap;
+use revisit_api::bulk::BulkLine;
+use revisit_api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use revisit_api::list::{CovisibleList, KeyframeList};
+use revisit_api::map::MapVersion;
 use serde::Serialize;
 
 use super::body::Body;
@@ -8,11 +13,6 @@ use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::Page;
 use super::operation::operations;
-use revisit_api::anchor::LocalAnchorMap;
-use revisit_api::bulk::BulkLine;
-use revisit_api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
-use revisit_api::list::{CovisibleList, KeyframeList};
-use revisit_api::map::MapVersion;
 
 /// A keyframe with its id: a line of a bulk request.
 #[derive(Clone, Debug, PartialEq, Serialize)]

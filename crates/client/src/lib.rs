@@ -9,6 +9,21 @@
 //! | `maps`, `keyframes`, `anchors`, `loops`, `releases`, `events`, `semantics`, `service` | one function for each operation of the API |
 //! | `error` | the reasons for no answer, in one line each |
 //! | [`tls`] | HTTP clients, and the one cryptography provider |
+//!
+//! # Is this keyframe a loop?
+//!
+//! ```no_run
+//! use revisit_api::loop_query::LoopQueryBody;
+//! use revisit_client::{Client, ClientError};
+//!
+//! # async fn ask() -> Result<(), ClientError> {
+//! let client = Client::new("http://localhost:7878")?;
+//! let asked = LoopQueryBody { keyframe: Some("kf-42".parse().expect("an id")), ..LoopQueryBody::default() };
+//! let answer = client.loop_query("hotel", &asked).await?;
+//! println!("{}", answer.why);
+//! # Ok(())
+//! # }
+//! ```
 
 mod address;
 mod anchors;

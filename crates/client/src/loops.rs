@@ -1,18 +1,18 @@
 //! Loops: asked about, confirmed, listed and revoked.
 
 use reqwest::Method;
-
-use super::body::Body;
-use super::connection::Client;
-use super::error::ClientError;
-use super::maps::Page;
-use super::operation::operations;
 use revisit_api::list::{LoopList, VerdictList};
 use revisit_api::location::{LocateAnswerView, LocateBody};
 use revisit_api::loop_query::LoopQueryBody;
 use revisit_api::loops::{LoopBody, LoopClosed, LoopRevoked};
 use revisit_api::verdict::LoopAnswer;
 use revisit_core::domain::request::Detail;
+
+use super::body::Body;
+use super::connection::Client;
+use super::error::ClientError;
+use super::maps::Page;
+use super::operation::operations;
 
 operations! {
     /// Asks "is this keyframe a loop?".

@@ -5,16 +5,16 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use reqwest::Method;
-
-use super::connection::Client;
-use super::error::ClientError;
-use super::operation::operations;
 use revisit_api::frames::FramesView;
 use revisit_api::list::{MapList, SessionList};
 use revisit_api::map::{MapBody, MapPatchBody, MapView};
 use revisit_api::observations::{ObservationsAnswer, ObservationsBody};
 use revisit_api::poses::{PosesAnswer, PosesBody};
 use revisit_api::session_merge::{MergeBody, MergeRevokedAnswer, SessionsMergedAnswer};
+
+use super::connection::Client;
+use super::error::ClientError;
+use super::operation::operations;
 
 /// A map of a million keyframes is exported within this time.
 const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);

@@ -1,11 +1,12 @@
 //! Releases: published, listed, compared and deleted; and what is erased for good.
 
-use super::connection::Client;
-use super::error::ClientError;
-use super::operation::operations;
 use revisit_api::erasure::{ErasureBody, ErasureView};
 use revisit_api::list::ReleaseList;
 use revisit_api::release::{ReleaseBody, ReleaseChangesView, ReleaseView};
+
+use super::connection::Client;
+use super::error::ClientError;
+use super::operation::operations;
 
 operations! {
     /// Lists the releases of a map, by name.

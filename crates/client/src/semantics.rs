@@ -1,10 +1,11 @@
 //! Semantics: the three functions of §IV-A.2, verdicts of models brought from elsewhere, and models asked again.
 
-use super::operation::operations;
 use revisit_api::judgement::{JudgementBody, JudgementView};
 use revisit_api::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
 use revisit_api::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
 use revisit_api::usage::Usage;
+
+use super::operation::operations;
 
 operations! {
     /// Asks for the SimilarityLevel of two texts.

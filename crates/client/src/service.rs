@@ -1,14 +1,14 @@
 //! Service: the server's state, its backups and its keys.
 
 use reqwest::Method;
-
-use super::connection::Client;
-use super::error::ClientError;
-use super::operation::operations;
 use revisit_api::backup::{BackupBody, BackupView};
 use revisit_api::key::{KeyBody, KeyView};
 use revisit_api::list::{BackupList, KeyList};
 use revisit_api::service::{Health, Version};
+
+use super::connection::Client;
+use super::error::ClientError;
+use super::operation::operations;
 
 operations! {
     /// Reads whether the server is ready.

@@ -8,15 +8,15 @@ use axum::Router;
 use axum::body::Bytes;
 use axum::http::{HeaderMap, Method as HttpMethod, Uri};
 use axum::response::{IntoResponse, Response as HttpResponse};
+use revisit_api::examples;
+use revisit_api::keyframe::KeyframeBody;
+use revisit_api::loops::LoopBody;
+use revisit_core::domain::anchor::AnchorState;
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 
 use super::connection::BUSY_ATTEMPTS;
 use super::*;
-use revisit_api::examples;
-use revisit_api::keyframe::KeyframeBody;
-use revisit_api::loops::LoopBody;
-use revisit_core::domain::anchor::AnchorState;
 
 /// A request as it came in: `METHOD /path?query`, authorization, body.
 type Seen = Arc<Mutex<Vec<(String, Option<String>, Value)>>>;

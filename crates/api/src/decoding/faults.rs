@@ -4,10 +4,11 @@ use std::cell::{Cell, RefCell};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use super::document::{Json, Kind};
-use crate::limits;
 use revisit_core::domain::counted::counted;
 use revisit_core::domain::invalid::FieldError;
+
+use super::document::{Json, Kind};
+use crate::limits;
 
 /// A pointer longer than this is cut: its names come from the client.
 const POINTER_CHARS: usize = 512;

@@ -10,12 +10,13 @@ use std::hash::Hash;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use super::column::{Column, Packed};
-use super::document::{Document, Json, Kind};
-use super::faults::{Faults, kind, push_segment, shown};
 use revisit_core::domain::counted::counted;
 use revisit_core::domain::ids::{ID_FORM, IdError};
 use revisit_core::domain::invalid::FieldError;
+
+use super::column::{Column, Packed};
+use super::document::{Document, Json, Kind};
+use super::faults::{Faults, kind, push_segment, shown};
 
 /// What can be read from a JSON body.
 pub trait Decode: Sized {

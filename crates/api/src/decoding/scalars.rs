@@ -2,10 +2,11 @@
 
 use std::ops::RangeInclusive;
 
+use revisit_core::domain::counted::counted;
+
 use super::base64;
 use super::faults::Bounds;
 use super::read::Node;
-use revisit_core::domain::counted::counted;
 
 impl<'a> Node<'a> {
     /// Reads a number within bounds. JSON has no NaN and no infinity, and the bounds keep both out of any sum. Zero has one

@@ -7,13 +7,13 @@ use std::cell::Cell;
 use std::collections::HashSet;
 use std::fmt;
 
+use revisit_core::domain::invalid::FieldError;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_path_to_error::{Deserializer as Tracked, Segment, Track};
 
 use super::document::{Document, Token};
 use super::faults;
 use crate::limits::{BODY_VALUES, LIST_ITEMS};
-use revisit_core::domain::invalid::FieldError;
 
 /// The reason why bytes are not a JSON text that we take.
 #[derive(Clone, Debug, PartialEq)]

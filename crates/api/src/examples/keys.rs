@@ -1,10 +1,10 @@
 //! Of API keys.
 
+use revisit_core::domain::key::Action;
 use serde_json::{Value, json};
 
 use super::parts::{list, second, with};
 use crate::key::FIRST_KEY_NOTICE;
-use revisit_core::domain::key::Action;
 
 /// Returns a key to be made: the administrator's, because a server's first key must be one.
 pub fn key_body() -> Value {

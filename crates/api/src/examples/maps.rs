@@ -1,10 +1,10 @@
 //! Of maps.
 
+use revisit_core::domain::settings::Settings;
 use serde_json::{Value, json};
 
 use super::parts::{TURNED, list, list_at, second, transform, with};
 use crate::settings::MapSettings;
-use revisit_core::domain::settings::Settings;
 
 /// Returns a map to be made.
 pub fn map_body() -> Value {

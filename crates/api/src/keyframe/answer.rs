@@ -1,5 +1,11 @@
 //! Keyframes as the service answers them.
 
+use revisit_core::domain::anchor::{AnchorState, Outcome};
+use revisit_core::domain::bow::BowVector;
+use revisit_core::domain::ids::KeyframeId;
+use revisit_core::domain::keyframe::Detection;
+use revisit_core::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
+use revisit_core::geometry::Gravity;
 use revisit_shapes::answer;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -11,12 +17,6 @@ use crate::names::{AnchorStateName, IgnoredReasonName};
 use crate::shown::Shown;
 use crate::space::{Time, Transform};
 use crate::verdict::LoopAnswer;
-use revisit_core::domain::anchor::{AnchorState, Outcome};
-use revisit_core::domain::bow::BowVector;
-use revisit_core::domain::ids::KeyframeId;
-use revisit_core::domain::keyframe::Detection;
-use revisit_core::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
-use revisit_core::geometry::Gravity;
 
 /// Said of a keyframe that is covisible with none, though its session has others.
 const CUT_OFF: &str = "no keyframe is covisible with it, so the place that the robot has just left may be answered as a loop: \

@@ -1,12 +1,12 @@
 //! A crop as JSON has it: an image file in base64.
 
+use revisit_core::domain::counted::counted;
+use revisit_core::domain::keyframe::Crop;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::decoding::base64::{self, Base64};
 use crate::decoding::read::{Decode, Node};
 use crate::limits;
-use revisit_core::domain::counted::counted;
-use revisit_core::domain::keyframe::Crop;
 
 /// The image inside a detection's box, PNG or JPEG.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,5 @@
 //! A keyframe read out of JSON, with every fault in it.
 
-use super::digest;
-use super::shape::{CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName};
-use crate::decoding::document::{Json, Kind};
-use crate::decoding::read::{self, Members as _, Node, Object};
-use crate::limits;
 use revisit_core::domain::bow::BowVector;
 use revisit_core::domain::global_descriptor::GlobalDescriptor;
 use revisit_core::domain::ids::{KeyframeId, PointId};
@@ -14,6 +9,12 @@ use revisit_core::domain::keyframe::{
 };
 use revisit_core::domain::request::Digest;
 use revisit_core::geometry::Point3;
+
+use super::digest;
+use super::shape::{CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName};
+use crate::decoding::document::{Json, Kind};
+use crate::decoding::read::{self, Members as _, Node, Object};
+use crate::limits;
 
 /// The name of a keyframe that is asked about and not stored.
 const INLINE: &str = "inline";

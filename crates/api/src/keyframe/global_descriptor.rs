@@ -1,13 +1,13 @@
 //! The vector of a whole image, as clients send it and as it is answered.
 
+use revisit_core::domain::counted::counted;
+use revisit_core::domain::global_descriptor::GlobalDescriptor;
+use revisit_core::domain::ids::GlobalModelId;
 use revisit_shapes::body;
 
 use crate::decoding::base64::Base64;
 use crate::decoding::read::Node;
 use crate::names::GlobalEncodingName;
-use revisit_core::domain::counted::counted;
-use revisit_core::domain::global_descriptor::GlobalDescriptor;
-use revisit_core::domain::ids::GlobalModelId;
 
 /// One vector of a whole image, by a model that the client ran. The first one of a map decides: all of them have one model, one
 /// encoding and one size.

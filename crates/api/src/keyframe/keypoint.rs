@@ -1,12 +1,12 @@
 //! A keypoint as JSON has it: a list of two to four numbers.
 
+use revisit_core::domain::keyframe::Keypoint;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::decoding::document::Kind;
 use crate::decoding::read::{Decode, Node};
 use crate::limits;
-use revisit_core::domain::keyframe::Keypoint;
 
 /// `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`: pixels, pyramid level (a whole number of 0 to 63), degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

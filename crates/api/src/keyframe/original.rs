@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
-use super::shape::{BowShape, FeaturesShape, KeyframeBody, PointsShape, filled};
-use crate::shown::Shown;
-use crate::space::Position;
 use revisit_core::domain::bow::BowVector;
 use revisit_core::domain::ids::PointId;
 use revisit_core::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
 use revisit_core::geometry::Point3;
+
+use super::shape::{BowShape, FeaturesShape, KeyframeBody, PointsShape, filled};
+use crate::shown::Shown;
+use crate::space::Position;
 
 impl From<NewKeyframe> for KeyframeBody {
     fn from(keyframe: NewKeyframe) -> Self {

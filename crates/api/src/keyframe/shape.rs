@@ -2,6 +2,10 @@
 
 use std::collections::HashSet;
 
+use revisit_core::domain::counted::counted;
+use revisit_core::domain::ids::{KeyframeId, SessionId};
+use revisit_core::domain::keyframe::{Camera, Detection, Features};
+use revisit_core::geometry::Gravity;
 use revisit_shapes::body;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -14,10 +18,6 @@ use crate::decoding::document::Json;
 use crate::decoding::read::{Decode as _, Node};
 use crate::limits;
 use crate::space::{Position, Time, Transform};
-use revisit_core::domain::counted::counted;
-use revisit_core::domain::ids::{KeyframeId, SessionId};
-use revisit_core::domain::keyframe::{Camera, Detection, Features};
-use revisit_core::geometry::Gravity;
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
 #[body(sent Keyframe)]

@@ -1,5 +1,9 @@
 //! The answer: places with their evidence.
 
+use revisit_core::domain::ids::MapId;
+use revisit_core::domain::location::{Location, Place, Uncertainty};
+use revisit_core::domain::look_for::LookFor;
+use revisit_core::domain::request::Detail;
 use revisit_shapes::answer;
 
 use crate::geometry::GeometryView;
@@ -7,10 +11,6 @@ use crate::names::{AssumptionName, ChannelName, LocationVerdictName, PoseSourceN
 use crate::odds::EvidenceView;
 use crate::space::{Transform, rounded};
 use crate::verdict::{AnchorFigures, BowFigures, CandidateView, GlobalFigures, ReasonView};
-use revisit_core::domain::ids::MapId;
-use revisit_core::domain::location::{Location, Place, Uncertainty};
-use revisit_core::domain::look_for::LookFor;
-use revisit_core::domain::request::Detail;
 
 /// The answer to "where am I?". The same versions of the maps, the same question and seed give the same bytes.
 #[answer]

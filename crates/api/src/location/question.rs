@@ -1,5 +1,9 @@
 //! The question: keyframes of an unknown place, and the maps they are held against.
 
+use revisit_core::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
+use revisit_core::domain::key::MapPattern;
+use revisit_core::domain::location::{AskedKeyframe, LocateRequest, LocationHint};
+use revisit_core::geometry::{Gravity, Point3, Pose};
 use revisit_shapes::body;
 
 use crate::decoding::read::{Decode as _, Node};
@@ -8,10 +12,6 @@ use crate::keyframe::{
     KeyframeBody, PointsShape, SentBagOfWords, SentFeatures, SentMapPoints, features,
 };
 use crate::space::{Time, Transform};
-use revisit_core::domain::ids::{KeyframeId, MapId, ReleaseName, SessionId};
-use revisit_core::domain::key::MapPattern;
-use revisit_core::domain::location::{AskedKeyframe, LocateRequest, LocationHint};
-use revisit_core::geometry::{Gravity, Point3, Pose};
 
 /// "Where am I?" Exactly one of `keyframe` and `keyframes`.
 #[body(checked LocateRequest)]

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector6};
-
-use super::measured::MeasuredLoop;
 use revisit_core::domain::change::Loop;
 use revisit_core::domain::ids::KeyframeId;
 use revisit_core::domain::trajectory::{TrackedPose, TrajectoryReport};
 use revisit_core::geometry::Pose;
+
+use super::measured::MeasuredLoop;
 
 /// Standard deviations of an edge between neighbours of a session: the larger of a length and a share of the way, and an angle.
 /// The map keeps no covariance of a robot's own tracking, so these are a guess.

@@ -1,11 +1,11 @@
 //! Measured: what the kept answer of a loop's query says of the transformation between its keyframes.
 
+use revisit_core::domain::verdict::GeometryStatus;
+use revisit_core::geometry::Pose;
 use serde::Deserialize;
 
 use crate::geometry::{GeometryModel, GeometryView, Similarity};
 use crate::space::Transform;
-use revisit_core::domain::verdict::GeometryStatus;
-use revisit_core::geometry::Pose;
 
 /// A loop's transformation, as it was verified when the query was answered.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,10 +8,11 @@ pub use measured::MeasuredLoop;
 
 use std::fmt::Write as _;
 
-use self::g2o::g2o;
-use self::lines::{kitti, tum};
 use revisit_core::domain::invalid::FieldError;
 use revisit_core::domain::trajectory::{SessionTrack, TrajectoryReport};
+
+use self::g2o::g2o;
+use self::lines::{kitti, tum};
 
 /// A format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

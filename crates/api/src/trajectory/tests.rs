@@ -1,11 +1,12 @@
 //! The three formats, number by number.
 
-use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, lines, tum, write_trajectory};
 use revisit_core::domain::change::Loop;
 use revisit_core::domain::ids::KeyframeSeq;
 use revisit_core::domain::keyframe::Stamp;
 use revisit_core::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 use revisit_core::geometry::Pose;
+
+use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, lines, tum, write_trajectory};
 
 /// A quarter turn about z.
 const QUARTER: [f64; 4] = [0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2];

@@ -1,8 +1,0 @@
-//! Keys of maps as one parameter of a statement.
-
-use crate::store::commit::job::MapKey;
-
-/// Returns keys as a parameter that a statement takes apart by `json_each`.
-pub(super) fn list(maps: &[MapKey]) -> String {
-    serde_json::json!(maps).to_string()
-}

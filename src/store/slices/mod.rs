@@ -1,6 +1,0 @@
-//! Slices: large deletions and corrections, written in short transactions.
-
-pub(super) mod background;
-pub(super) mod deferred;
-pub(super) mod deletion;
-pub(super) mod fold;
