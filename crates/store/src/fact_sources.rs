@@ -4,8 +4,8 @@ use revisit_core::domain::change::Change;
 use revisit_core::domain::ids::MapId;
 
 use super::facts::{FactSource, MapFacts, Order};
+use super::loading::load::{Db, facts_of, load, map_row};
 use super::postgres::change_log;
-use super::rows::load::{Db, facts_of, load, map_row};
 use super::{Store, StoreError};
 
 impl FactSource for &Store {

@@ -16,7 +16,7 @@ use super::files::log::{self, LogFindings};
 use super::files::paths::DatabaseFiles;
 use super::files::schema;
 use super::holdings::{Holdings, holdings};
-use super::rows::load::load;
+use super::loading::load::load;
 use crate::sql::{self, Connection};
 pub use rows::RowFindings;
 

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use revisit_core::domain::ids::MapId;
 use revisit_core::domain::map::MapProperties;
 
-use super::rows::copied_rows::{Which, map_row, read_blocks};
+use super::copies::copied_rows::{Which, map_row, read_blocks};
 use super::rows::map_rows;
 use super::{Store, StoreError};
 use crate::jobs::job::{CopiedAs, Job};

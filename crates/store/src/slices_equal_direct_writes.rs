@@ -18,8 +18,8 @@ use revisit_core::recognition::map::index::MapIndex;
 
 use super::commit::staging;
 use super::facts::Order;
-use super::rows::deferred;
-use super::rows::load::load;
+use super::loading::deferred;
+use super::loading::load::load;
 use super::slices::{deletion, fold};
 use super::test_database::{a_line, database};
 use crate::commit::write;

@@ -6,8 +6,8 @@
 use revisit_core::domain::ids::MapId;
 
 use super::StoreError;
-use super::rows::copied_rows::{Which, map_row, read_blocks};
-use super::rows::transferred_rows::{self, HeldMap};
+use super::copies::copied_rows::{Which, map_row, read_blocks};
+use super::copies::transferred_rows::{self, HeldMap};
 use super::store::Store;
 use crate::jobs::job::{CopiedAs, Job};
 use crate::map_key::MapKey;

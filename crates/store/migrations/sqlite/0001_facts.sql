@@ -2,7 +2,7 @@
 -- postings) is not stored: it is built in memory when a map is first asked for.
 -- `map_key` leads every key, so that a map's rows lie together and go together.
 -- Lengths are metres, in the frame of the keyframe's session. Blobs are packed little-endian lists,
--- or, where a comment says *column*, as `store/rows/column.rs` packs them.
+-- or, where a comment says *column*, as `store/columns/column.rs` packs them.
 
 create table maps (
     map_key integer not null,

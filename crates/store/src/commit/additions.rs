@@ -10,11 +10,11 @@ use revisit_core::domain::ids::{AnchorSeq, PointId, SessionId, SessionSeq};
 use revisit_core::geometry::Point3;
 
 use crate::StoreError;
+use crate::columns::bulk_insert::{RowValues, write_rows};
+use crate::columns::clock::micros_now;
 use crate::jobs::job::Batch;
+use crate::loading::deferred;
 use crate::map_key::MapKey;
-use crate::rows::bulk_insert::{RowValues, write_rows};
-use crate::rows::clock::micros_now;
-use crate::rows::deferred;
 use crate::rows::keyframe_rows::{self, Arrived, Detected};
 use crate::rows::map_rows;
 use crate::rows::point_blocks;

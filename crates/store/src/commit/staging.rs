@@ -1,4 +1,4 @@
-//! Staging: a batch whose poses and points would keep the writer busy becomes several jobs ([`crate::rows::deferred`]).
+//! Staging: a batch whose poses and points would keep the writer busy becomes several jobs ([`crate::loading::deferred`]).
 
 use std::borrow::Cow;
 

@@ -8,19 +8,24 @@ use revisit_core::domain::ids::{AnchorSeq, LoopId};
 use super::additions::Additions;
 use crate::StoreError;
 use crate::commit::said::said;
+use crate::copies::copied_rows;
+use crate::copies::transferred_rows;
+use crate::erasing::erasure_rows;
+use crate::erasing::retention_rows;
+use crate::erasing::traces;
+use crate::erasing::unsaid;
 use crate::jobs::job::{Batch, ErasureStep, Job};
+use crate::loading::deferred;
 use crate::log::entry::Entry;
 use crate::log::log_rows::{self, FIRST_PART};
 use crate::log::parts::{Kind, Part, is_ordered};
 use crate::map_key::MapKey;
 use crate::postgres::change_log;
-use crate::rows::deferred;
 use crate::rows::keyframe_rows::{Arrived, detections};
 use crate::rows::verdict_rows::KeptQuery;
 use crate::rows::{
-    changed_sign_rows, copied_rows, erasure_rows, frame_rows, judgement_rows, key_rows, keyframe_rows,
-    map_rows, model_rows, observation_rows, point_blocks, prior_rows, release_rows, retention_rows,
-    session_merge_rows, traces, transferred_rows, twin_rows, unsaid,
+    changed_sign_rows, frame_rows, judgement_rows, key_rows, keyframe_rows, map_rows, model_rows,
+    observation_rows, point_blocks, prior_rows, release_rows, session_merge_rows, twin_rows,
 };
 use crate::slices::deletion;
 use crate::sql::run;

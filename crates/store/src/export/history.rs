@@ -12,10 +12,10 @@ use revisit_core::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use revisit_core::geometry::{Point3, Pose, Sim3};
 
 use crate::StoreError;
+use crate::loading::deferred;
 use crate::log::entry::Entry;
 use crate::log::log_rows;
 use crate::map_key::MapKey;
-use crate::rows::deferred;
 use crate::rows::point_blocks;
 use crate::sql::{self, Connection};
 

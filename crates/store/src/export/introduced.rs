@@ -7,8 +7,8 @@ use revisit_core::domain::ids::{PointId, SessionSeq};
 use revisit_core::domain::session_merge::Renumbering;
 
 use crate::StoreError;
+use crate::loading::read;
 use crate::map_key::MapKey;
-use crate::rows::read;
 use crate::sql::{self, Connection};
 
 /// The points that exported operations have brought. In a map of which nothing is missing each keyframe brings its own,

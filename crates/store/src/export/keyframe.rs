@@ -8,7 +8,8 @@ use revisit_core::domain::request::PoseCorrection;
 
 use super::operation_reader::{Export, Step};
 use crate::StoreError;
-use crate::rows::{decode, read};
+use crate::loading::read;
+use crate::rows::decode;
 use crate::sql::{self, Row};
 
 /// The most points of one line; a keyframe that inherits more gives the rest to a correction.

@@ -6,9 +6,9 @@ use revisit_core::domain::request::Digest;
 
 use crate::StoreError;
 use crate::facts::MapFacts;
+use crate::loading::read;
 use crate::log::entry::Entry;
 use crate::map_key::MapKey;
-use crate::rows::read;
 use crate::sql::{self, Connection};
 
 /// Whether features fit together, so that they can be matched.

@@ -7,9 +7,9 @@ use revisit_core::domain::global_descriptor::GlobalDescriptor;
 use revisit_core::domain::ids::KeyframeSeq;
 use revisit_core::domain::keyframe::{Camera, Stamp};
 
-use super::blob::{unpack, unpack_array};
-use super::column::integers_of;
 use crate::StoreError;
+use crate::columns::blob::{unpack, unpack_array};
+use crate::columns::column::integers_of;
 use crate::sql::Row;
 
 /// The columns of a keyframe that are read to memory.

@@ -2,8 +2,8 @@
 
 use revisit_core::domain::fleet_frames::FleetFrames;
 
-use super::json;
 use crate::StoreError;
+use crate::columns::json;
 use crate::map_key::MapKey;
 use crate::sql::run;
 use crate::sql::{self, Connection};

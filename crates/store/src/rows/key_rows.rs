@@ -6,7 +6,7 @@ use revisit_core::domain::key::{Actions, Key, KeyProperties, KeySeq, SecretHash}
 use revisit_core::domain::keyframe::Stamp;
 use sqlx::ConnectOptions as _;
 
-use super::json;
+use crate::columns::json;
 use crate::files::paths::DatabaseFiles;
 use crate::jobs::job::NewKeyRow;
 use crate::sql::run;

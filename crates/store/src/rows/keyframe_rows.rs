@@ -9,12 +9,12 @@ use revisit_core::domain::ids::{AnchorSeq, KeyframeSeq};
 use revisit_core::domain::keyframe::{Camera, Detection};
 use revisit_core::geometry::Sim3;
 
-use super::blob::pack;
-use super::bulk_insert::write_rows;
-use super::clock::seconds_now;
-use super::column::integers;
-use super::keypoints::keypoints;
 use crate::StoreError;
+use crate::columns::blob::pack;
+use crate::columns::bulk_insert::write_rows;
+use crate::columns::clock::seconds_now;
+use crate::columns::column::integers;
+use crate::columns::keypoints::keypoints;
 use crate::jobs::job::{Batch, NewKeyframeRows};
 use crate::map_key::MapKey;
 use crate::sql::run;

@@ -6,8 +6,8 @@ use revisit_core::domain::map::{Learned, MapFigures, MapProperties};
 use revisit_core::domain::report::MapReport;
 use revisit_core::domain::request::Digest;
 
-use super::bulk_insert::write_rows;
-use super::json;
+use crate::columns::bulk_insert::write_rows;
+use crate::columns::json;
 use crate::jobs::job::Batch;
 use crate::map_key::MapKey;
 use crate::sql::run;

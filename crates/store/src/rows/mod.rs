@@ -1,37 +1,20 @@
 //! Rows: the mapping between SQL rows and values of the domain.
 
-pub(super) mod blob;
-pub(super) mod bulk_insert;
 pub(super) mod changed_sign_rows;
-pub(super) mod clock;
-pub(super) mod column;
-pub(super) mod copied_rows;
 pub(super) mod decode;
-pub(super) mod deferred;
-pub(super) mod erasure_rows;
 pub(super) mod frame_rows;
-mod json;
 pub(super) mod judgement_rows;
 pub(super) mod key_rows;
 pub(super) mod keyframe_rows;
-pub(super) mod keypoints;
-pub(super) mod load;
 pub(super) mod map_rows;
 pub(super) mod map_tables;
 pub(super) mod model_rows;
 pub(super) mod observation_rows;
 pub(super) mod point_blocks;
 pub(super) mod prior_rows;
-pub(super) mod read;
 pub(super) mod release_rows;
-pub(super) mod retention_rows;
 pub(super) mod session_merge_rows;
-pub(super) mod traces;
-pub(super) mod transferred_rows;
 pub(super) mod twin_rows;
 pub(super) mod unpacks;
-pub(super) mod unsaid;
 pub(super) mod validate;
-mod values;
 pub(super) mod verdict_rows;
-pub(super) mod words_of_map;

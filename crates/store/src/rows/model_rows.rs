@@ -9,7 +9,7 @@ use revisit_core::domain::judged::{CropRead, CropReading, Finding, ModelVerdict,
 use revisit_core::domain::judgement::TextFunction;
 use revisit_core::domain::recorded::{NamedDetection, Recorded};
 
-use super::json;
+use crate::columns::json;
 use crate::jobs::job::Spent;
 use crate::map_key::MapKey;
 use crate::sql::run;
@@ -95,7 +95,7 @@ impl Store {
 }
 
 /// Returns the dialogue that led to the reading of a crop.
-pub(super) async fn dialogue(
+pub(crate) async fn dialogue(
     db: &mut Connection,
     map: MapKey,
     (keyframe, detection): (KeyframeSeq, u16),
@@ -108,7 +108,7 @@ pub(super) async fn dialogue(
 }
 
 /// Returns the reading of a crop, with the fingerprint of what made it.
-pub(super) async fn reading_of(
+pub(crate) async fn reading_of(
     db: &mut Connection,
     map: MapKey,
     (keyframe, detection): (KeyframeSeq, u16),
@@ -123,7 +123,7 @@ pub(super) async fn reading_of(
 }
 
 /// Returns the verdict that stands in the place of this one: about the same texts.
-pub(super) async fn verdict_about(
+pub(crate) async fn verdict_about(
     db: &mut Connection,
     map: MapKey,
     ModelVerdict { class, a, b, finding, .. }: &ModelVerdict,

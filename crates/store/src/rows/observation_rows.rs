@@ -3,11 +3,11 @@
 use revisit_core::domain::change::{Keyframe, PointsOfKeyframe, Renamed};
 use revisit_core::domain::ids::{KeyframeSeq, PointId};
 
-use super::column::{integers, integers_of};
-use super::decode;
-use super::keyframe_rows::declared_blob;
 use crate::StoreError;
+use crate::columns::column::{integers, integers_of};
 use crate::map_key::MapKey;
+use crate::rows::decode;
+use crate::rows::keyframe_rows::declared_blob;
 use crate::sql::{self, Query, Row};
 
 /// The columns of a keyframe's points beside those of its own row, for a select that joins the two.

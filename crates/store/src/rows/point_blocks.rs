@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use revisit_core::domain::ids::{PointId, SessionSeq};
 use revisit_core::geometry::Point3;
 
-use super::blob::{pack, unpack};
-use super::bulk_insert::write_rows;
 use crate::StoreError;
+use crate::columns::blob::{pack, unpack};
+use crate::columns::bulk_insert::write_rows;
 use crate::map_key::MapKey;
 use crate::sql::run;
 use crate::sql::{self, Connection};
@@ -166,7 +166,7 @@ pub(crate) async fn positions(
 ///
 /// # Panics
 /// If a block that was unpacked is packed into other bytes.
-pub(super) fn unpacks(bytes: &[u8]) {
+pub(crate) fn unpacks(bytes: &[u8]) {
     if let Ok(block) = Block::of(bytes) {
         assert_eq!(block.pack(), bytes);
     }

@@ -4,9 +4,9 @@ use revisit_core::domain::change::Change;
 use revisit_core::domain::ids::AnchorSeq;
 use revisit_core::domain::prior::Prior;
 
-use super::validate::{self, Known};
 use crate::StoreError;
 use crate::map_key::MapKey;
+use crate::rows::validate::{self, Known};
 use crate::sql::{self, Connection, Query, Row};
 
 /// Adds a prior anchor, whose anchor and frame are there.

@@ -7,12 +7,12 @@ use revisit_core::domain::keyframe::Stamp;
 use revisit_core::domain::release::{Release, ReleaseUse};
 use revisit_core::domain::request::Digest;
 
-use super::bulk_insert::write_rows;
-use super::map_rows;
+use crate::columns::bulk_insert::write_rows;
 use crate::jobs::job::CopiedAs;
 use crate::log::log_rows::{self, FIRST_PART};
 use crate::log::parts::Part;
 use crate::map_key::MapKey;
+use crate::rows::map_rows;
 use crate::sql::run;
 use crate::sql::{self, Connection, Query, Row};
 use crate::{Store, StoreError};

@@ -5,8 +5,8 @@ use revisit_core::domain::former::FormerValues;
 use revisit_core::domain::ids::{KeyframeSeq, SessionSeq};
 use revisit_core::domain::session_merge::MergeUndo;
 
-use super::json;
 use crate::StoreError;
+use crate::columns::json;
 use crate::log::log_rows;
 use crate::map_key::MapKey;
 use crate::sql::{self, Connection, Query};

@@ -1,7 +1,10 @@
 //! Unpacking of any bytes, for fuzzing.
 
-use super::{blob, column, keypoints, point_blocks};
+use crate::columns::blob;
+use crate::columns::column;
+use crate::columns::keypoints;
 use crate::log::entry::Entry;
+use crate::rows::point_blocks;
 
 /// Unpacks a blob as everything that rows have: what fits reads back, and nothing panics.
 ///

@@ -12,8 +12,8 @@ use revisit_core::domain::ids::{AnchorSeq, KeyframeSeq, PointId};
 use revisit_core::domain::prior::{Prior, is_unit};
 use revisit_core::geometry::{Point3, Pose};
 
-use super::session_merge_rows::MergedSession;
 use crate::StoreError;
+use crate::rows::session_merge_rows::MergedSession;
 
 /// How far the squared norm of a stored quaternion may be from 1: it was normalised before it was stored.
 const MAX_ROTATION_ERROR: f64 = 1e-6;

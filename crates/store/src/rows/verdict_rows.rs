@@ -4,8 +4,8 @@ use revisit_core::domain::reason::ReasonCode;
 use revisit_core::domain::verdict::Decision;
 use revisit_core::domain::verdict_line::{ListedVerdict, VerdictFilter, VerdictLine};
 
-use super::bulk_insert::write_rows;
-use super::clock::{micros_now, stamp_of_micros};
+use crate::columns::bulk_insert::write_rows;
+use crate::columns::clock::{micros_now, stamp_of_micros};
 use crate::map_key::MapKey;
 use crate::sql::run;
 use crate::sql::{self, Connection, Row};

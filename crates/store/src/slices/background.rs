@@ -16,9 +16,9 @@ use tokio::time::Instant;
 
 use super::{deletion, fold};
 use crate::StoreError;
+use crate::copies::copied_rows;
 use crate::log::log_rows;
 use crate::postgres::leases::Leases;
-use crate::rows::copied_rows;
 use crate::sql::Pool;
 use crate::sql::transaction::Transaction;
 

@@ -5,10 +5,10 @@
 use revisit_core::domain::change::Change;
 
 use crate::StoreError;
+use crate::loading::deferred::{self, Waiting};
 use crate::log::log_rows::COUNTS;
 use crate::log::parts::Kind;
 use crate::map_key::MapKey;
-use crate::rows::deferred::{self, Waiting};
 use crate::rows::{keyframe_rows, point_blocks};
 use crate::sql::run;
 use crate::sql::{self, Connection};

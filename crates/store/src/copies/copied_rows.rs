@@ -3,11 +3,11 @@
 use futures_util::TryStreamExt as _;
 use sqlx::AssertSqlSafe;
 
-use super::bulk_insert::{RowValues, write_rows};
-use super::map_tables::{TABLES, Table};
 use crate::StoreError;
+use crate::columns::bulk_insert::{RowValues, write_rows};
 use crate::jobs::row_block::RowBlock;
 use crate::map_key::MapKey;
+use crate::rows::map_tables::{TABLES, Table};
 use crate::sql::cell::Cell;
 use crate::sql::run;
 use crate::sql::{self, Connection};

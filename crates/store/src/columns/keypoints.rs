@@ -3,8 +3,8 @@
 use revisit_core::domain::keyframe::Keypoint;
 use revisit_core::domain::varint;
 
-use super::column::{floats, floats_of};
 use crate::StoreError;
+use crate::columns::column::{floats, floats_of};
 
 /// Packs keypoints: columns of u, v and angle, and a byte for each octave, each preceded by its length.
 pub(crate) fn keypoints(list: &[Keypoint]) -> Vec<u8> {

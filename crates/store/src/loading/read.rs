@@ -12,14 +12,14 @@ use revisit_core::domain::keyframe::{Crop, Detection, Features};
 use revisit_core::domain::request::Digest;
 use revisit_core::domain::session_merge::MergeUndo;
 
-use super::blob::unpack;
-use super::clock::stamp_of_micros;
-use super::column::integers_of;
-use super::decode;
-use super::frame_rows;
-use super::keypoints::keypoints_of;
-use super::session_merge_rows;
+use crate::columns::blob::unpack;
+use crate::columns::clock::stamp_of_micros;
+use crate::columns::column::integers_of;
+use crate::columns::keypoints::keypoints_of;
 use crate::map_key::MapKey;
+use crate::rows::decode;
+use crate::rows::frame_rows;
+use crate::rows::session_merge_rows;
 use crate::sql::{self, Row};
 use crate::{Store, StoreError};
 

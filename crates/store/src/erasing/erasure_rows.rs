@@ -4,7 +4,7 @@ use revisit_core::domain::erasure::{Erasure, ErasureState, MergedInVersion, NewE
 use revisit_core::domain::ids::{MapId, ReleaseName, SessionId};
 use revisit_core::domain::keyframe::Stamp;
 
-use super::json;
+use crate::columns::json;
 use crate::map_key::MapKey;
 use crate::sql::run;
 use crate::sql::{self, Connection, Query, Row};

@@ -21,7 +21,7 @@ use sqlx::error::BoxDynError;
 use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 
-use super::blob::{pack, unpack_array};
+use crate::columns::blob::{pack, unpack_array};
 use crate::sql::row::{FromValue, column_error};
 use crate::sql::value::{ToValue, Value};
 

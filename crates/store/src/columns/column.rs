@@ -6,8 +6,8 @@
 
 use revisit_core::domain::varint;
 
-use super::blob::{pack, unpack};
 use crate::StoreError;
+use crate::columns::blob::{pack, unpack};
 
 /// Decimals that are tried: a float of 32 bits has no more than six that count.
 const DECIMALS_MAX: u8 = 6;

@@ -84,7 +84,7 @@ pub(crate) fn unpack_array<T: Packed, const N: usize>(bytes: &[u8]) -> Result<[T
 ///
 /// # Panics
 /// If a list that was unpacked is packed into other bytes.
-pub(super) fn unpacks(bytes: &[u8]) {
+pub(crate) fn unpacks(bytes: &[u8]) {
     fn check<T: Packed>(bytes: &[u8]) {
         if let Ok(list) = unpack::<T>(bytes) {
             assert_eq!(pack(list), bytes);

@@ -3,9 +3,9 @@
 use revisit_core::domain::bow::{BowVector, Score};
 use revisit_core::domain::ids::MapId;
 
-use super::decode;
+use crate::loading::load::Db;
 use crate::map_key::MapKey;
-use crate::rows::load::Db;
+use crate::rows::decode;
 use crate::sql;
 use crate::{Store, StoreError};
 

@@ -6,9 +6,9 @@ use revisit_core::domain::change::Change;
 use revisit_core::domain::judged::{CropRead, ModelVerdict};
 use revisit_core::domain::judgement::Replaced;
 
-use super::model_rows::{dialogue, reading_of, verdict_about};
 use crate::log::entry::{Entry, Unsaid};
 use crate::map_key::MapKey;
+use crate::rows::model_rows::{dialogue, reading_of, verdict_about};
 use crate::sql::{self, Connection};
 use crate::{Store, StoreError};
 

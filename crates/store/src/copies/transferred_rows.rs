@@ -7,9 +7,9 @@ use revisit_core::domain::ids::{MapId, StoredId as _};
 use sha2::{Digest as _, Sha256};
 use sqlx::AssertSqlSafe;
 
-use super::bulk_insert::write_rows;
-use super::copied_rows::{Which, map_row, push_cell, read_blocks};
 use crate::StoreError;
+use crate::columns::bulk_insert::write_rows;
+use crate::copies::copied_rows::{Which, map_row, push_cell, read_blocks};
 use crate::jobs::row_block::RowBlock;
 use crate::map_key::MapKey;
 use crate::sql::cell::Cell;

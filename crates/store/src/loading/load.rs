@@ -10,16 +10,16 @@ use revisit_core::domain::change::{Change, Declared, Keyframe, Merge, MergeCause
 use revisit_core::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use sqlx::AssertSqlSafe;
 
-use super::decode;
-use super::point_blocks::points_of;
-use super::validate::{self, Known, KnownAnchor};
-use super::{
-    changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, session_merge_rows, twin_rows,
-};
 use crate::StoreError;
 use crate::facts::{MapFacts, Order};
+use crate::loading::deferred;
 use crate::map_key::MapKey;
-use crate::rows::deferred;
+use crate::rows::decode;
+use crate::rows::point_blocks::points_of;
+use crate::rows::validate::{self, Known, KnownAnchor};
+use crate::rows::{
+    changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, session_merge_rows, twin_rows,
+};
 use crate::sizes::sizes;
 use crate::sql::{self, Connection, Row};
 

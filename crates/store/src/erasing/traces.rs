@@ -10,13 +10,13 @@ use revisit_core::domain::change::Change;
 use revisit_core::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use revisit_core::semantics::Text;
 
-use super::column::integers_of;
-use super::judgement_rows;
-use super::read::sent_points;
 use crate::StoreError;
+use crate::columns::column::integers_of;
+use crate::loading::read::sent_points;
 use crate::log::entry::Entry;
 use crate::log::log_rows::{self, FIRST_PART};
 use crate::map_key::MapKey;
+use crate::rows::judgement_rows;
 use crate::sql::run;
 use crate::sql::{self, Connection};
 
