@@ -10,6 +10,6 @@ pub(super) mod lanes;
 pub(super) mod own_disk;
 pub(super) mod queue;
 pub(super) mod renewal;
-mod said;
+pub(super) mod said;
 pub(super) mod staging;
 pub(super) mod write;

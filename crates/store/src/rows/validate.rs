@@ -1,6 +1,6 @@
 //! Validation: rejects rows that decode, but from which no index can be built.
 //!
-//! [`super::load`] applies it to every map, so that a damaged map is an error and never a wrong answer. `revisit check`
+//! [`crate::loading::load`] applies it to every map, so that a damaged map is an error and never a wrong answer. `revisit check`
 //! finds the same faults, because it loads every map.
 
 use std::collections::{HashMap, HashSet};
