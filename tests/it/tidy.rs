@@ -34,7 +34,7 @@ const LINES_MAX: usize = 450;
 /// And the usual file is far below it.
 const MEDIAN_LINES_MAX: usize = 160;
 
-/// Where the rooms are: those of the program, and those of the crates that hold several.
+/// The sources that have rooms: those of the program, and of the crates that hold several.
 const WITH_ROOMS: [&str; 4] = ["src", "crates/core/src", "crates/server/src", "crates/sim/src"];
 
 /// Returns the sources of every crate: the program's, and those below `crates`.

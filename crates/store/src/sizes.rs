@@ -1,13 +1,13 @@
-//! Sizes: how much is read, or waits for its rows, at a time.
+//! Sizes: the amounts that are read, or wait for their rows, at a time.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How much at a time.
+/// Sizes of parts and pages.
 #[derive(Debug)]
 pub(crate) struct Sizes {
     /// Changes, or former values, of one part of the log.
     pub part: usize,
-    /// What a batch's changes of poses and points may cost if written at once, in microseconds; above it they are deferred.
+    /// The most that a batch's changes of poses and points may cost if written at once, in microseconds; above it they are deferred.
     pub direct_us: u64,
     /// Keyframes, and blocks of points, read at a time: few, because a row of 700 words takes as much as its keyframe does in the
     /// index.

@@ -1,4 +1,4 @@
-//! What moves and what goes (M33), in the answers; `crates/core/tests/paper/correction.rs` asks the core.
+//! Moves and removals (M33), in the answers; `crates/core/tests/paper/correction.rs` asks the core.
 
 use serde_json::{Value, json};
 

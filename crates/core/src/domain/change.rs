@@ -33,7 +33,7 @@ pub struct Keyframe {
     pub map_from_camera: Pose,
     /// `map_from_camera` as it was sent: positions of its detections are kept as they were sent with it.
     pub sent_pose: Pose,
-    /// How much longer lengths are by now than they were then: sessions were merged with a scale.
+    /// The factor by which lengths have grown since then: sessions were merged with a scale.
     pub scale: f64,
     /// The camera, if known.
     pub camera: Option<Camera>,

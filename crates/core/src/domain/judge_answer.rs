@@ -1,4 +1,4 @@
-//! What the judge answers to one of its three functions (§IV-A.2): a level or a text, and who said so.
+//! Answers of the judge to one of its three functions (§IV-A.2): a level or a text, with its source.
 
 /// A level, its source and its reason.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -69,7 +69,7 @@ pub(crate) async fn next(db: &mut Connection, map: MapKey) -> Result<Option<Wait
 
 /// Returns parts of a map that wait, from one on.
 ///
-/// Where the first of all stands is asked before, by [`first`]: were it joined here, SQLite would search every page from there.
+/// The place of the first one is asked before, by [`first`]: were it joined here, SQLite would search every page from there.
 async fn from(
     db: &mut Connection,
     map: MapKey,
